@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.equilibrium.discretization import Discretization
-from seal_mdao.rkpm.cells import weight_rates
 from seal_mdao.rkpm.essential import rows_on_union, transformation_rates
 from seal_mdao.rkpm.transformed import TableRates
 
@@ -52,7 +51,7 @@ def discretization_rates(discretization: Discretization, velocity) -> Discretiza
     """All rates of the discretisation along design velocities (P, n, 2)."""
     matrix = _matrix_rates(discretization, velocity)
     # w' of the quadrature weights
-    weights = weight_rates(discretization.body.cell_map, discretization.particles, velocity)
+    weights = discretization.cells.weight_rates(velocity)
     return DiscretizationRates(
         matrix,
         discretization.cells.rates(velocity, weights, matrix),

@@ -86,6 +86,9 @@ class Body:
     column : int
         Cells in succession through which the pressure is continuous (``structure.pressure``); 1: one
         value a cell.
+    axisymmetric : bool
+        Whether the body is one of revolution about x = 0 (``rkpm.axisymmetry``), in place of plane
+        strain.
     """
 
     cells: np.ndarray
@@ -99,6 +102,7 @@ class Body:
     hidden_pairs: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
     support_axes: np.ndarray | None = None
     column: int = 1
+    axisymmetric: bool = False
 
     @property
     def n_particles(self) -> int:
@@ -127,7 +131,8 @@ class Body:
         edge = self.edge(name)
         # fully fixed particles carry no unknown; tributary length: half of both adjacent sides
         movable = ~self.fixed[edge.particles].all(axis=1)
-        return boundary_particles(edge.particles[movable], edge.neighbours[movable])
+        points = boundary_particles(edge.particles[movable], edge.neighbours[movable])
+        return points.around_axis() if self.axisymmetric else points
 
     @cached_property
     def cell_map(self) -> CellMap:
@@ -171,7 +176,9 @@ class Body:
             A folded cell, or a point that too few supports cover.
         """
         weights = quadrature_weights(self.cell_map, cloud.particles)
-        return build_cell_table(cloud, self.cell_map, self.edge_rule, weights, transformation)
+        return build_cell_table(
+            cloud, self.cell_map, self.edge_rule, weights, transformation, self.axisymmetric
+        )
 
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Combine particles of one design, copied, with the kernels of the body."""

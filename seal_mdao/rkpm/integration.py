@@ -10,17 +10,26 @@ in the symmetric form of an assumed gradient):
 Constants and linear fields are reproduced as before. Cell edges carry two Gauss points; edges of
 the essential boundary their two end points, where the admissible test functions vanish. Cells of a
 column share the points of the edges between them.
+
+In a body of revolution all integrals carry the circumference c = 2 pi R (``axisymmetry``), and the
+divergence of the radial component has the hoop row Phi / R,
+
+    sum_q c w (grad~_j + delta_j1 Phi / R) = sum_e c Phi_e n_ej,
+
+which one constant shift per neighbour and cell satisfies again.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined
-from seal_mdao.rkpm.cells import CellMap
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
+from seal_mdao.rkpm.cells import CellMap, add_weight_seeds, weight_rates
 from seal_mdao.rkpm.scatter import scatter_add
-from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
+from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, grad_rows
 from seal_mdao.rkpm.tables import PointTable, raw_tables, runs
 from seal_mdao.rkpm.transformed import TableRates, TableTransform
 
@@ -36,6 +45,9 @@ class EdgeRule(NamedTuple):
         Particles at the ends of the edge of every edge point, counter-clockwise.
     weights : ndarray, shape (n_cells, 8, 2)
         Linear weights of the edge point between them, which sum to 1.
+    radial : ndarray, shape (n_cells, 8, 2)
+        Weights of the radii of these particles in c, with which the rule integrates products of two
+        linear functions of an edge exactly: those of the point at Gauss points, (2/3, 1/3) at ends.
     distinct : ndarray of int, shape (n_columns, s)
         The points of every column of cells, by their index among all edge points.
     point_of : ndarray of int, shape (n_cells, 8)
@@ -44,6 +56,7 @@ class EdgeRule(NamedTuple):
 
     ends: np.ndarray
     weights: np.ndarray
+    radial: np.ndarray
     distinct: np.ndarray
     point_of: np.ndarray
 
@@ -69,9 +82,12 @@ def edge_rule(cells: np.ndarray, constrained: np.ndarray, column: int = 1) -> Ed
     # Gauss points s = (1 -+ 1 / sqrt(3)) / 2 on [0, 1], weight 1/2 each; end points where essential
     g = 0.5 - 0.5 / np.sqrt(3.0)
     gauss = np.array([[1.0 - g, g], [g, 1.0 - g]])
-    weights = np.where(essential[..., None, None], np.eye(2), gauss)
-    ends, weights = np.repeat(ends, 2, axis=1), weights.reshape(len(cells), EDGE_POINTS, 2)
-    return EdgeRule(ends, weights, *_distinct_points(ends, weights, column))
+    ends, shape = np.repeat(ends, 2, axis=1), (len(cells), EDGE_POINTS, 2)
+    weights = np.where(essential[..., None, None], np.eye(2), gauss).reshape(shape)
+    # int R N_a ds / (L/2) = 2/3 R_a + 1/3 R_b of the linear function N_a of an end
+    lumped = (np.eye(2) + 1.0) / 3.0
+    radial = np.where(essential[..., None, None], lumped, gauss).reshape(shape)
+    return EdgeRule(ends, weights, radial, *_distinct_points(ends, weights, column))
 
 
 def _distinct_points(ends, weights, column: int) -> tuple[np.ndarray, np.ndarray]:
@@ -114,13 +130,35 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
-def integration_points(mapping: CellMap, rule: EdgeRule) -> tuple:
+def edge_circumferences(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
+    """Compute c = 2 pi R of every edge point, m, of particles or velocities (..., n, 2), shape
+    (..., n_cells, 8)."""
+    return CIRCUMFERENCE * (rule.radial * vectors[..., rule.ends, 0]).sum(axis=-1)
+
+
+def circumferences(gauss: PointTable, shape) -> np.ndarray:
+    """Compute c = 2 pi R of the Gauss points, ``shape`` (n_cells, q), m; 1 in plane strain."""
+    if not gauss.points.hooped:
+        return np.ones(shape)
+    return CIRCUMFERENCE * gauss.coordinates[:, 0].reshape(shape)
+
+
+def around_normals(rule: EdgeRule, gauss: PointTable) -> np.ndarray:
+    """Compute outward normals times c w at the edge points, shape (n_cells, 8, 2)."""
+    particles = gauss.cloud.particles
+    normals = edge_normals(rule, particles)
+    if not gauss.points.hooped:
+        return normals
+    return edge_circumferences(rule, particles)[..., None] * normals
+
+
+def integration_points(mapping: CellMap, rule: EdgeRule, axisymmetric: bool = False) -> tuple:
     """Collect Gauss points and edge points; those of a column of cells form a group."""
     n_cells, q = len(mapping.cells), mapping.n_points
     anchors = np.broadcast_to(mapping.cells[:, None], (n_cells, q, 4)).reshape(-1, 4)
     weights = np.broadcast_to(mapping.values, (n_cells, q, 4)).reshape(-1, 4)
     n_columns, n_distinct = rule.distinct.shape
-    gauss = PointSet(anchors, weights, q * (n_cells // n_columns), valued=False)
+    gauss = PointSet(anchors, weights, q * (n_cells // n_columns), False, hooped=axisymmetric)
     ends, between = (own.reshape(-1, 2)[rule.distinct.ravel()] for own in (rule.ends, rule.weights))
     return gauss, PointSet(ends, between, n_distinct, sloped=False)
 
@@ -131,21 +169,24 @@ class CellTable:
 
     Attributes
     ----------
+    mapping : CellMap
     rule : EdgeRule
     weights : ndarray, shape (n_cells, q)
-        Quadrature weights.
+        Quadrature weights of the section, area unit.
     gauss : PointTable
-        Gradients at the Gauss points of the shape functions of Eq. (13).
+        Gradients at the Gauss points of the shape functions of Eq. (13), in a body of revolution with
+        the row Phi / R.
     edges : PointTable
         Values at the edge points; the groups share the neighbour lists of the Gauss points.
     raw : ShapeTable
-        Consistent gradients at the Gauss points.
+        Consistent gradients at the Gauss points, with that row.
     table : ShapeTable
         After the essential transformation; what the analysis uses.
     transform : TableTransform
         From ``raw`` to ``table``.
     """
 
+    mapping: CellMap
     rule: EdgeRule
     weights: np.ndarray
     gauss: PointTable
@@ -155,14 +196,83 @@ class CellTable:
     transform: TableTransform
 
     @property
+    def axisymmetric(self) -> bool:
+        """Whether the body is one of revolution."""
+        return self.gauss.points.hooped
+
+    @cached_property
+    def circumferences(self) -> np.ndarray:
+        """c = 2 pi R of the Gauss points, shape (n_cells, q), m; 1 in plane strain."""
+        return circumferences(self.gauss, self.weights.shape)
+
+    @cached_property
+    def cell_weights(self) -> np.ndarray:
+        """Quadrature weights c w of the body, shape (n_cells, q)."""
+        return self.weights * self.circumferences
+
+    @property
     def column_weights(self) -> np.ndarray:
-        """Quadrature weights by columns, shape (n_columns, cells of a column * q)."""
-        return self.weights.reshape(self.raw.n_groups, self.raw.group_size)
+        """Those weights by columns, shape (n_columns, cells of a column * q)."""
+        return self.cell_weights.reshape(self.raw.n_groups, self.raw.group_size)
 
     @property
     def normals(self) -> np.ndarray:
-        """Outward normals times weights at the edge points, shape (n_cells, 8, 2)."""
-        return edge_normals(self.rule, self.gauss.cloud.particles)
+        """Outward normals times c w at the edge points, shape (n_cells, 8, 2)."""
+        return around_normals(self.rule, self.gauss)
+
+    def weight_rates(self, velocity) -> np.ndarray:
+        """Differentiate the weights c w along design velocities V (P, n, 2), shape (P, n_cells, q)."""
+        rates = weight_rates(self.mapping, self.gauss.cloud.particles, velocity)
+        if not self.axisymmetric:
+            return rates
+        # (c w)' = c w' + 2 pi R' w
+        around = CIRCUMFERENCE * self._radius_rates(velocity).T.reshape(rates.shape)
+        return self.circumferences * rates + around * self.weights
+
+    def add_weight_seeds(self, weight_bar, x_bar) -> None:
+        """Apply the transpose of ``weight_rates``: seeds (n_cells, q, M) added to ``x_bar`` (n, 2, M)."""
+        particles = self.gauss.cloud.particles
+        if self.axisymmetric:
+            on_radius = CIRCUMFERENCE * (weight_bar * self.weights[..., None])
+            self._add_radius_seeds(on_radius.reshape(-1, weight_bar.shape[2]), x_bar)
+            weight_bar = weight_bar * self.circumferences[..., None]
+        add_weight_seeds(self.mapping, particles, weight_bar, x_bar)
+
+    def _radius_rates(self, velocity) -> np.ndarray:
+        """R' of the Gauss points, shape (n_points, P)."""
+        return self.gauss.points.rates(self.gauss.cloud.particles, velocity)[:, 0]
+
+    def _add_radius_seeds(self, radius_bar, x_bar) -> None:
+        """Transpose of ``_radius_rates``: seeds (n_points, M) added to ``x_bar`` (n, 2, M)."""
+        point_bar = np.zeros((len(radius_bar), 2, radius_bar.shape[1]))
+        point_bar[:, 0] = radius_bar
+        self.gauss.points.add_seeds(self.gauss.cloud.particles, point_bar, x_bar)
+
+    def _normal_rates(self, velocity) -> np.ndarray:
+        """Rates of ``normals``, shape (P, n_cells, 8, 2)."""
+        # the edge normals are linear in the particles: their rates are the normals of the velocities
+        rates = edge_normals(self.rule, velocity)
+        if not self.axisymmetric:
+            return rates
+        # (c n)' = c n' + c' n, c being linear in the particles too
+        particles = self.gauss.cloud.particles
+        rates *= edge_circumferences(self.rule, particles)[..., None]
+        return rates + edge_circumferences(self.rule, velocity)[..., None] * edge_normals(
+            self.rule, particles
+        )
+
+    def _add_normal_seeds(self, normal_bar, x_bar) -> None:
+        """Transpose of ``_normal_rates``: seeds (n_cells, 8, 2, M) added to ``x_bar`` (n, 2, M)."""
+        if self.axisymmetric:
+            particles = self.gauss.cloud.particles
+            plain = edge_normals(self.rule, particles)
+            # c_bar = n . (c n)_bar, on the radii of both ends
+            around = CIRCUMFERENCE * np.einsum("cejm,cej->cem", normal_bar, plain)
+            on_ends = np.zeros((*self.rule.ends.shape, 2, normal_bar.shape[3]))
+            on_ends[..., 0, :] = self.rule.radial[..., None] * around[:, :, None]
+            scatter_add(x_bar, self.rule.ends, on_ends)
+            normal_bar = normal_bar * edge_circumferences(self.rule, particles)[..., None, None]
+        add_normal_seeds(self.rule, normal_bar, x_bar)
 
     def rates(self, velocity, weight_rates, matrix_rate) -> TableRates:
         """Differentiate the table along design velocities V (P, n, 2).
@@ -170,15 +280,15 @@ class CellTable:
         Parameters
         ----------
         weight_rates : ndarray, shape (P, n_cells, q)
+            Of ``weight_rates``.
         matrix_rate : ndarray, shape (c, u, P)
             T' of ``essential.transformation_rates``.
         """
         rates = self.gauss.raw_rates(velocity, self.transform)
         at_edges = self.edges.raw_rates(velocity, like=rates)
-        # the edge normals are linear in the particles: their rates are the normals of the velocities
         _correct_rates(
-            self.raw, self.edges.raw, self.rule.point_of, rates, at_edges, self.weights, self.normals,
-            weight_rates, edge_normals(self.rule, velocity),
+            self.raw, self.edges.raw, self.rule.point_of, rates, at_edges, self.cell_weights,
+            self.normals, weight_rates, self._normal_rates(velocity),
         )  # fmt: skip
         return self.transform.rates(rates, matrix_rate)
 
@@ -191,7 +301,7 @@ class CellTable:
             grad_bar.shape[1], self.raw, self.gauss, self.edges, self.transform
         )  # fmt: skip
         matrix_bar = np.zeros((*transform.transformation.matrix.shape, m))
-        normals = self.normals
+        normals, per_point = self.normals, grad_rows(raw)
         normal_bar, gauss_bar, edge_bar = (
             np.zeros((*of.shape, m)) for of in (normals, gauss.coordinates, edges.coordinates)
         )
@@ -200,20 +310,20 @@ class CellTable:
         for columns in runs(raw, ~transform.touched) + runs(raw, transform.touched):
             ends = list(columns)
             # Phi~ = Phi T: seeds on the raw gradients and on T
-            seeds = grad_bar[slice(*(2 * raw.group_size * self.table.start[ends]))]
-            seeds = transform.pull_back(columns, raw.grad, 2, seeds, matrix_bar)
+            seeds = grad_bar[slice(*(per_point * raw.group_size * self.table.start[ends]))]
+            seeds = transform.pull_back(columns, raw.grad, per_point, seeds, matrix_bar)
             # consistent gradients -> gradients at Gauss points, values at edge points, weights, normals
-            on_slopes, n = np.empty(seeds.shape), np.diff(raw.start[ends])[0]
+            on_rows, n = np.empty(seeds.shape), np.diff(raw.start[ends])[0]
             on_values = np.zeros((n * edges.raw.group_size, m))
             _correct_seeds(
-                raw, edges.raw, self.rule.point_of, self.weights, normals, columns, seeds, on_slopes,
-                on_values, weight_bar, normal_bar,
+                raw, edges.raw, self.rule.point_of, self.cell_weights, normals, columns, seeds,
+                on_rows, on_values, weight_bar, normal_bar,
             )  # fmt: skip
             # -> particles and points
-            gauss.add_raw_seeds(columns, nothing, on_slopes, x_bar, gauss_bar)
+            gauss.add_raw_seeds(columns, nothing, on_rows, x_bar, gauss_bar)
             edges.add_raw_seeds(columns, on_values, nothing, x_bar, edge_bar)
         # normals and points move with the particles
-        add_normal_seeds(self.rule, normal_bar, x_bar)
+        self._add_normal_seeds(normal_bar, x_bar)
         gauss.points.add_seeds(gauss.cloud.particles, gauss_bar, x_bar)
         edges.points.add_seeds(edges.cloud.particles, edge_bar, x_bar)
         return matrix_bar
@@ -231,12 +341,13 @@ def _of_cell(start, cell, n_cells):
 
 
 @compiled
-def _correct(start, grad, edges, point_of, weights, normals, out):
-    n_cells, q_count = weights.shape
+def _correct(raw, edges, point_of, weights, normals, out):
+    """Fill ``out`` with the rows of ``raw``, gradients made consistent, flat (point, row, neighbour)."""
+    (n_cells, q_count), start, grad, rows = weights.shape, raw.start, raw.grad, grad_rows(raw)
     for cell in range(n_cells):
         column, n, _, s0 = _of_cell(start, cell, n_cells)
-        # the layout of grad is (point, component, neighbour), that of edges.phi (point, neighbour)
-        first, on_edges, volume = 2 * s0 * q_count, start[column] * edges.group_size, 0.0
+        # the layout of grad is (point, row, neighbour), that of edges.phi (point, neighbour)
+        first, on_edges, volume = rows * s0 * q_count, start[column] * edges.group_size, 0.0
         for q in range(q_count):
             # V_c = sum_q w_q
             volume += weights[cell, q]
@@ -246,13 +357,21 @@ def _correct(start, grad, edges, point_of, weights, normals, out):
                 # s_Ij = (1/V_c) ( sum_e Phi_I(x_e) n_ej - sum_q w_q Phi_I,j(x_q) )
                 at, shift = first + j * n + i, 0.0
                 for q in range(q_count):
-                    shift -= weights[cell, q] * grad[at + 2 * q * n]
+                    shift -= weights[cell, q] * grad[at + rows * q * n]
+                if rows == 3 and j == 0:
+                    for q in range(q_count):
+                        # the radial divergence has the hoop row, - w_q Phi_I / R
+                        shift -= weights[cell, q] * grad[first + (3 * q + 2) * n + i]
                 for e in range(point_of.shape[1]):
                     shift += edges.phi[on_edges + point_of[cell, e] * n + i] * normals[cell, e, j]
                 shift /= volume
                 for q in range(q_count):
                     # Phi~_I,j(x_q) = Phi_I,j(x_q) + s_Ij
-                    out[at + 2 * q * n] = grad[at + 2 * q * n] + shift
+                    out[at + rows * q * n] = grad[at + rows * q * n] + shift
+        for q in range(q_count if rows == 3 else 0):
+            at = first + (3 * q + 2) * n
+            for i in range(n):
+                out[at + i] = grad[at + i]
 
 
 @compiled
@@ -260,16 +379,17 @@ def _correct_rates(
     raw, edges, point_of, d_gauss, d_edges, weights, normals, weight_rates, normal_rates
 ):
     """Differentiate the consistent gradients ``raw``, instead of the rates of Phi_I,j, ``d_gauss``."""
-    n_cells, q_count = weights.shape
+    (n_cells, q_count), rows = weights.shape, grad_rows(raw)
     for cell in range(n_cells):
         column, n, before, s0 = _of_cell(raw.start, cell, n_cells)
         which = d_gauss.active[d_gauss.start[column, 0] : d_gauss.start[column + 1, 0]]
         count = which.size
         if count == 0:
             continue
-        grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
-        at = 2 * (d_gauss.start[column, 1] + before * q_count * count)
-        d_grad = d_gauss.grad[at : at + 2 * q_count * n * count].reshape(q_count, 2, n, count)
+        grad = raw.grad[rows * s0 * q_count : rows * (s0 + n) * q_count].reshape(q_count, rows, n)
+        at = rows * (d_gauss.start[column, 1] + before * q_count * count)
+        d_grad = d_gauss.grad[at : at + rows * q_count * n * count]
+        d_grad = d_grad.reshape(q_count, rows, n, count)
         # V_c s_Ij' = sum_e (Phi_I n_ej)' - sum_q (w_q' Phi~_I,j + w_q Phi_I,j'):
         # the term -V_c' s_Ij of the quotient is contained in w_q' Phi~_I,j = w_q' (Phi_I,j + s_Ij)
         volume, d_shift = weights[cell].sum(), np.zeros((2, n, count))
@@ -282,6 +402,11 @@ def _correct_rates(
                         d_shift[j, i, p] -= (
                             dw * grad[q, j, i] + weights[cell, q] * d_grad[q, j, i, p]
                         )
+            for i in range(n if rows == 3 else 0):
+                for p in range(count):
+                    # and of the hoop row: - w_q' Phi_I / R - w_q (Phi_I / R)'
+                    dw = weight_rates[which[p], cell, q]
+                    d_shift[0, i, p] -= dw * grad[q, 2, i] + weights[cell, q] * d_grad[q, 2, i, p]
         for e in range(point_of.shape[1]):
             at = point_of[cell, e] * n
             phi = edges.phi[raw.start[column] * edges.group_size + at :][:n]
@@ -317,17 +442,18 @@ def _correct_seeds(
     """Apply the transpose of ``_correct_rates`` to the ``columns`` (first, last): seeds (rows, M) on
     the consistent gradients to those on the gradients at the Gauss points and, added, on the values
     at the edge points, and to those on the weights and normals of all cells."""
-    (first, last), cells = columns, len(weights) // (raw.start.size - 1)
+    (first, last), cells, rows = columns, len(weights) // (raw.start.size - 1), grad_rows(raw)
     q_count, e_count, count = weights.shape[1], point_of.shape[1], seeds.shape[1]
     on_weights, on_normals = np.empty((q_count, count)), np.empty((2, e_count, count))
     for cell in range(cells * first, cells * last):
         column, n, _, s0 = _of_cell(raw.start, cell, len(weights))
-        grad = raw.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2 * n)
+        grad = raw.grad[rows * s0 * q_count : rows * (s0 + n) * q_count].reshape(q_count, rows * n)
         # seeds hold the rows of these columns only
         at = s0 - cells * raw.start[first]
-        # side by side: components, neighbours, measures
-        seed = seeds[2 * at * q_count : 2 * (at + n) * q_count].reshape(q_count, 2 * n * count)
-        on_gauss = gauss_bar[2 * at * q_count : 2 * (at + n) * q_count].reshape(seed.shape)
+        # side by side: rows, neighbours, measures
+        seed = seeds[rows * at * q_count : rows * (at + n) * q_count]
+        seed = seed.reshape(q_count, rows * n * count)
+        on_gauss = gauss_bar[rows * at * q_count : rows * (at + n) * q_count].reshape(seed.shape)
         volume, shift_bar = weights[cell].sum(), np.zeros(2 * n * count)
         for q in range(q_count):
             for a in range(shift_bar.size):
@@ -337,6 +463,9 @@ def _correct_seeds(
             for a in range(shift_bar.size):
                 # Phi_bar_q,Ij = Phi~_bar_q,Ij - w_q s_bar_Ij / V_c
                 on_gauss[q, a] = seed[q, a] - weights[cell, q] * shift_bar[a]
+            for a in range(shift_bar.size, seed.shape[1]):
+                # hoop row: hoop_bar_q,I = hoop~_bar_q,I - w_q s_bar_I1 / V_c
+                on_gauss[q, a] = seed[q, a] - weights[cell, q] * shift_bar[a - 2 * n * count]
         by_x, by_y = shift_bar[: n * count], shift_bar[n * count :]
         phi = np.empty((e_count, n))
         for e in range(e_count):
@@ -349,7 +478,14 @@ def _correct_seeds(
             for a in range(by_x.size):
                 on_edge[a] += by_x[a] * normals[cell, e, 0] + by_y[a] * normals[cell, e, 1]
         # w_bar_q = -sum_Ij Phi~_q,I,j s_bar_Ij / V_c,   n_bar_ej = sum_I Phi_I(x_e) s_bar_Ij / V_c
-        np.dot(grad, shift_bar.reshape(2 * n, count), on_weights)
+        if rows == 3:
+            # the hoop row is shifted with the first component
+            on_rows = np.empty((3 * n, count))
+            on_rows[: 2 * n] = shift_bar.reshape(2 * n, count)
+            on_rows[2 * n :] = on_rows[:n]
+            np.dot(grad, on_rows, on_weights)
+        else:
+            np.dot(grad, shift_bar.reshape(2 * n, count), on_weights)
         np.dot(phi, by_x.reshape(n, count), on_normals[0])
         np.dot(phi, by_y.reshape(n, count), on_normals[1])
         for q in range(q_count):
@@ -362,17 +498,26 @@ def _correct_seeds(
 
 
 def build_cell_table(
-    cloud: Cloud, mapping: CellMap, rule: EdgeRule, weights: np.ndarray, transformation
+    cloud: Cloud,
+    mapping: CellMap,
+    rule: EdgeRule,
+    weights: np.ndarray,
+    transformation,
+    axisymmetric: bool = False,
 ) -> CellTable:
     """Build the consistent shape functions at the quadrature points, with essential conditions.
 
     Parameters
     ----------
     weights : ndarray, shape (n_cells, q)
+        Of the section.
+    axisymmetric : bool
+        Whether the section is turned about the axis x = 0.
     """
-    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule))
-    grad, normals = np.empty(gauss.raw.grad.size), edge_normals(rule, cloud.particles)
-    _correct(gauss.raw.start, gauss.raw.grad, edges.raw, rule.point_of, weights, normals, grad)
+    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, axisymmetric))
+    around, normals = weights * circumferences(gauss, weights.shape), around_normals(rule, gauss)
+    grad = np.empty(gauss.raw.grad.size)
+    _correct(gauss.raw, edges.raw, rule.point_of, around, normals, grad)
     raw = gauss.raw._replace(grad=grad)
     transform = TableTransform(raw, transformation)
-    return CellTable(rule, weights, gauss, edges, raw, transform.table, transform)
+    return CellTable(mapping, rule, weights, gauss, edges, raw, transform.table, transform)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled
+from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.moment import (
     correction_polynomials,
     gathered,
@@ -67,6 +67,8 @@ class PointSet(NamedTuple):
         Points in a group; consecutive points share one neighbour list.
     valued, sloped : bool
         Whether values, and whether gradients are tabulated; arrays not needed are empty.
+    hooped : bool
+        Whether the gradients have the third row of a body of revolution.
     """
 
     anchors: np.ndarray
@@ -74,6 +76,7 @@ class PointSet(NamedTuple):
     group_size: int
     valued: bool = True
     sloped: bool = True
+    hooped: bool = False
 
     def at(self, particles):
         """Compute coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
@@ -105,7 +108,8 @@ class ShapeTable(NamedTuple):
     phi : ndarray
         Flat (group, point, neighbour), dimensionless.
     grad : ndarray
-        Flat (group, point, component, neighbour), per length. Arrays that are not needed are empty.
+        Flat (group, point, component, neighbour), per length; in a body of revolution with Phi / R as a
+        third component (``axisymmetry``). Arrays that are not needed are empty.
     group_size : int
     """
 
@@ -118,6 +122,12 @@ class ShapeTable(NamedTuple):
     @property
     def n_groups(self):
         return self.start.size - 1
+
+
+@inlined
+def grad_rows(table):
+    """Rows of ``grad`` of a point: 2, or 3 with the hoop row of a body of revolution."""
+    return table.grad.size // max(1, table.neighbours.size * table.group_size)
 
 
 @compiled

@@ -13,13 +13,20 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from seal_mdao.errors import SingularMomentMatrixError
+from seal_mdao.rkpm.axisymmetry import hoop_rates, split_hoop_seeds, with_hoop_rows
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.shape_derivatives import (
     forward_shape_functions,
     linearize_shape_functions,
     reverse_shape_functions,
 )
-from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, evaluate_shape_functions
+from seal_mdao.rkpm.shape_functions import (
+    Cloud,
+    PointSet,
+    ShapeTable,
+    evaluate_shape_functions,
+    grad_rows,
+)
 from seal_mdao.rkpm.transformed import TableRates, TableTransform, entry_starts
 
 RUN_ROWS = 2048
@@ -85,11 +92,11 @@ class PointTable:
             transform = self.transform
             matrix_bar = np.zeros((*transform.transformation.matrix.shape, x_bar.shape[2]))
             phi_bar = transform.pull_back(every, raw.phi, 1, phi_bar, matrix_bar)
-            grad_bar = transform.pull_back(every, raw.grad, 2, grad_bar, matrix_bar)
+            grad_bar = transform.pull_back(every, raw.grad, grad_rows(raw), grad_bar, matrix_bar)
         point_bar = np.zeros((*self.coordinates.shape, x_bar.shape[2]))
         for first, last in runs(raw):
             rows = slice(*(raw.start[[first, last]] * raw.group_size))
-            slopes = slice(2 * rows.start, 2 * rows.stop)
+            slopes = slice(grad_rows(raw) * rows.start, grad_rows(raw) * rows.stop)
             self.add_raw_seeds((first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar)
         self.points.add_seeds(self.cloud.particles, point_bar, x_bar)
         return matrix_bar
@@ -107,22 +114,44 @@ class PointTable:
         starts = np.column_stack([start, entry_starts(np.diff(start), raw)])
         # V(x) = sum_k w_k V(X_k) of the anchors
         point_velocity = np.einsum("pk,vpki->vpi", points.weights, velocity[:, points.anchors])
-        size = starts[-1, 1]
-        dphi, dgrad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
+        size, needed = starts[-1, 1], points.valued or points.hooped
+        dphi, dgrad = np.empty(size * needed), np.empty(2 * size * points.sloped)
         for groups in runs(raw, np.diff(start) > 0):
             forward_shape_functions(
                 self._linearized(groups), raw.start, raw.neighbours, groups, velocity,
                 point_velocity, active, starts, dphi, dgrad,
             )  # fmt: skip
-        return TableRates(starts, active, dphi, dgrad)
+        rates = TableRates(starts, active, dphi, dgrad)
+        return self._with_hoop_rates(rates, point_velocity) if points.hooped else rates
+
+    def _with_hoop_rates(self, rates: TableRates, point_velocity) -> TableRates:
+        """Complete the rates by those of the hoop rows."""
+        raw, rows = self.raw, np.empty(3 * rates.phi.size)
+        hoop_rates(
+            raw.start, raw.group_size, rates, raw.grad, self.coordinates[:, 0],
+            np.ascontiguousarray(point_velocity[:, :, 0].T), rows,
+        )  # fmt: skip
+        return rates._replace(phi=rates.phi if self.points.valued else np.empty(0), grad=rows)
 
     def add_raw_seeds(self, groups, phi_bar, grad_bar, x_bar, point_bar) -> None:
         """Apply the transpose of ``raw_rates`` to the ``groups`` (first, last): seeds on their raw rows
         added to ``x_bar`` (n_particles, 2, M) and, on the points, to ``point_bar`` (n_points, 2, M)."""
+        if self.points.hooped:
+            phi_bar, grad_bar = self._split_seeds(groups, phi_bar, grad_bar, point_bar[:, 0])
         reverse_shape_functions(
             self._linearized(groups), self.raw.start, self.raw.neighbours, groups, phi_bar, grad_bar,
             x_bar, point_bar,
         )  # fmt: skip
+
+    def _split_seeds(self, groups, phi_bar, grad_bar, radius_bar):
+        """Seeds on values and gradients from those with the hoop rows; adds to ``radius_bar``."""
+        raw, count = self.raw, len(grad_bar) // 3
+        on_phi, on_slopes = (np.empty((size, grad_bar.shape[1])) for size in (count, 2 * count))
+        split_hoop_seeds(
+            raw.start, groups, raw.group_size, grad_bar, raw.grad, self.coordinates[:, 0], on_slopes,
+            on_phi, radius_bar,
+        )  # fmt: skip
+        return on_phi + phi_bar if self.points.valued else on_phi, on_slopes
 
     def _linearized(self, groups):
         """Compute the coefficients of the derivatives of the ``groups`` (first, last)."""
@@ -214,8 +243,8 @@ def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
 
 
 def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
-    size = neighbours.size * points.group_size
-    phi, grad = np.empty(size * points.valued), np.empty(2 * size * points.sloped)
+    size, needed = neighbours.size * points.group_size, points.valued or points.hooped
+    phi, grad = np.empty(size * needed), np.empty(2 * size * points.sloped)
     inverses = np.empty((len(coordinates), cloud.n_basis, cloud.n_basis))
     singular = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
     if singular >= 0:
@@ -224,6 +253,10 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
             f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few particle supports cover "
             "this point; use a larger support"
         )
+    if points.hooped:
+        rows = np.empty(3 * size)
+        with_hoop_rows(start, points.group_size, grad, phi, coordinates[:, 0], rows)
+        phi, grad = phi if points.valued else np.empty(0), rows
     raw = ShapeTable(start, neighbours, phi, grad, points.group_size)
     return PointTable(points, coordinates, raw, raw, inverses, cloud)
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.rkpm.essential import EssentialTransformation
-from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.rkpm.shape_functions import ShapeTable, grad_rows
 
 
 class TableRates(NamedTuple):
@@ -100,7 +100,7 @@ class TableTransform:
             new = ShapeTable(start, neighbours, raw.phi, raw.grad, raw.group_size)
             self.table = new._replace(
                 phi=self._product(new, raw.phi, raw.group_size),
-                grad=self._product(new, raw.grad, 2 * raw.group_size),
+                grad=self._product(new, raw.grad, self._grad_rows),
             )
 
     @cached_property
@@ -115,6 +115,11 @@ class TableTransform:
             at = np.searchsorted(new, near), np.searchsorted(new, t.union)
             found[int(g)] = TouchedGroup(fixed, rows, *at)
         return found
+
+    @property
+    def _grad_rows(self) -> int:
+        """Rows of the gradients of a group."""
+        return grad_rows(self.raw) * self.raw.group_size
 
     def _extended_lists(self):
         """Build the neighbour lists after the transformation: groups that see C also see the union."""
@@ -166,7 +171,7 @@ class TableTransform:
         if table is raw:
             return rates
         ends = entry_starts(np.diff(rates.start[:, 0]), table)
-        parts = (raw.phi, rates.phi, raw.group_size), (raw.grad, rates.grad, 2 * raw.group_size)
+        parts = (raw.phi, rates.phi, raw.group_size), (raw.grad, rates.grad, self._grad_rows)
         found = [self._product_rates(*part, rates, ends, matrix_rate) for part in parts]
         return TableRates(np.column_stack([rates.start[:, 0], ends]), rates.active, *found)
 

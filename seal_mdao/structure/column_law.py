@@ -9,16 +9,29 @@ L = d(w P)/dF is a block of the column: the moduli A = dP/dF of every point, and
 adds, of rank m. Both are symmetric, so that one product with strains e serves a tangent (e = B u), the
 rates of the direct method (e = B' d) and the seeds of the adjoint method (e = -B lambda): see
 ``force_products``.
+
+In a body of revolution the strains e have a fifth component, that of h, in a third row of every point
+of which only the first component counts; cof F becomes (h cof F, det F), the derivatives of J.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import internal
-from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.compilation import inlined, internal
+from seal_mdao.rkpm.shape_functions import ShapeTable, grad_rows
 from seal_mdao.structure.deformation import Deformation, at_point, volume_of
-from seal_mdao.structure.internal_force import point_moduli, point_stress
+from seal_mdao.structure.internal_force import (
+    W_H,
+    W_HH,
+    W_JH,
+    W_TH,
+    hoop_moduli,
+    hoop_stretch,
+    plane_jacobian,
+    point_moduli,
+    point_stress,
+)
 
 
 class BodyStates(NamedTuple):
@@ -34,8 +47,8 @@ class BodyStates(NamedTuple):
         K of the projected energy.
     d : ndarray, shape (K, n, 2)
     deformation : Deformation
-    w : ndarray, shape (5, K, n_columns, q)
-        W_T, W_J, W_TT, W_TJ, W_JJ.
+    w : ndarray, shape (5 or 9, K, n_columns, q)
+        W_T, W_J, W_TT, W_TJ, W_JJ; in a body of revolution also W_h, W_Th, W_Jh, W_hh.
     """
 
     table: ShapeTable
@@ -52,8 +65,8 @@ class ColumnLaw(NamedTuple):
 
     Attributes
     ----------
-    values : ndarray, shape (q, ROWS, S)
-        P, w cof F, w A, F and det F - 1 of every point.
+    values : ndarray, shape (q, rows, S)
+        P, w cof F, w A, F and J - 1 of every point, at the rows of ``LawRows``.
     swelling : ndarray, shape (m, S)
         s_h.
     mean, bulk : ndarray, shape (m, q)
@@ -75,15 +88,41 @@ class ColumnLaw(NamedTuple):
     pressure: np.ndarray
 
 
-# Rows of ``ColumnLaw.values``.
-STRESS, COFACTOR, MODULI, GRADIENT, CHANGE, ROWS = 0, 4, 8, 24, 28, 29
+class LawRows(NamedTuple):
+    """First rows in ``ColumnLaw.values`` of P, w cof F, w A, F, J - 1 with so many ``strains``, 4 or 5,
+    and the number of all rows."""
+
+    strains: int
+    stress: int
+    cofactor: int
+    moduli: int
+    gradient: int
+    change: int
+    count: int
+
+
+@inlined
+def law_rows(strains):
+    """``LawRows`` of 4 strains, or of 5 in a body of revolution."""
+    # P, w cof F: one row a strain;  w A: one a pair;  F;  J - 1
+    moduli, gradient = 2 * strains, 2 * strains + strains * strains
+    return LawRows(
+        strains, 0, strains, moduli, gradient, gradient + strains, gradient + strains + 1
+    )
+
+
+@inlined
+def strain_count(table):
+    """Strains of a point: 11, 12, 21, 22, and h in a body of revolution."""
+    return 5 if grad_rows(table) == 3 else 4
 
 
 @internal
-def empty_law(q_count, m, count):
-    """Allocate the L of a column at ``count`` states."""
+def empty_law(table, m, count):
+    """Allocate the L of a column of a ``ShapeTable`` at ``count`` states."""
+    q_count, rows = table.group_size, law_rows(strain_count(table))
     return ColumnLaw(
-        np.empty((q_count, ROWS, count)), np.empty((m, count)), np.empty((m, q_count)),
+        np.empty((q_count, rows.count, count)), np.empty((m, count)), np.empty((m, q_count)),
         np.empty((m, q_count)), np.empty((q_count, count)), np.empty((m, count)), np.empty(count),
     )  # fmt: skip
 
@@ -92,7 +131,8 @@ def empty_law(q_count, m, count):
 def linearize_column(states, column, step_of, law):
     """Compute L of one column at the steps ``step_of`` (S,), sorted."""
     weights, functions, bulk = states.weights[column], states.functions, states.bulk[column]
-    w, moduli = states.w, np.empty((4, 4))
+    w, strains = states.w, strain_count(states.table)
+    at, moduli = law_rows(strains), np.empty((strains, strains))
     # N_h / V_h and K N_h
     for h in range(len(functions)):
         volume = volume_of(functions[h], weights)
@@ -107,7 +147,7 @@ def linearize_column(states, column, step_of, law):
             k = step_of[s]
             # another column of the same step
             if s > 0 and step_of[s - 1] == k:
-                for row in range(ROWS):
+                for row in range(at.count):
                     values[row, s] = values[row, s - 1]
                 continue
             # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
@@ -117,13 +157,26 @@ def linearize_column(states, column, step_of, law):
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
             stress = point_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
+            weight = weights[q] * hoop_stretch(f)
             for r in range(4):
-                values[STRESS + r, s], values[GRADIENT + r, s] = stress[r], f[r]
-                sign = -weights[q] if r == 1 or r == 2 else weights[q]
-                values[COFACTOR + r, s] = sign * f[3 - r]
-                for c in range(4):
-                    values[MODULI + 4 * r + c, s] = weights[q] * moduli[r, c]
-            values[CHANGE, s] = f[4]
+                values[at.stress + r, s], values[at.gradient + r, s] = stress[r], f[r]
+                sign = -weight if r == 1 or r == 2 else weight
+                values[at.cofactor + r, s] = sign * f[3 - r]
+            if strains == 5:
+                w_th, w_jh, w_hh = (
+                    w[W_TH, k, column, q],
+                    w[W_JH, k, column, q],
+                    w[W_HH, k, column, q],
+                )
+                hoop_moduli(f, w_j, w_th, w_jh, w_hh, moduli)
+                # P_h = W_h + W_J det F,  J_h = det F
+                values[at.stress + 4, s] = w[W_H, k, column, q] + w_j * plane_jacobian(f)
+                values[at.cofactor + 4, s] = weights[q] * plane_jacobian(f)
+                values[at.gradient + 4, s] = 0.0
+            for r in range(strains):
+                for c in range(strains):
+                    values[at.moduli + strains * r + c, s] = weights[q] * moduli[r, c]
+            values[at.change, s] = f[4]
 
 
 @internal
@@ -135,19 +188,22 @@ def product(law, weights, strain, weight_rate, p, out):
     Parameters
     ----------
     law : ColumnLaw
-    strain : ndarray, shape (2 q, P, 2, S)
-        e_ij at [(point, j), p, i].
+    strain : ndarray, shape (rows q, P, 2, S)
+        e_ij at [(point, j), p, i], two rows a point; in a body of revolution three, e_h at
+        [(point, 2), p, 0].
     weight_rate : ndarray, shape (q, P)
         w'; zero gives the product with the transpose of L, for A and the pressure are symmetric.
     p : int
         The column of ``strain`` and ``weight_rate`` that is taken.
-    out : ndarray, shape (2 q, P, 2, S)
+    out : ndarray, shape (rows q, P, 2, S)
         Written, as ``strain``.
     """
     law.swelling_rate[:] = 0.0
+    rows = len(strain) // weights.size
+    at = law_rows(5 if rows == 3 else 4)
     for q in range(weights.size):
-        on_cof, change = law.on_cofactor[q], law.values[q, CHANGE]
-        contract(law.values[q], COFACTOR, strain, q, p, on_cof)
+        on_cof, change = law.on_cofactor[q], law.values[q, at.change]
+        contract(law.values[q], at.cofactor, at.strains, strain, rows * q, p, on_cof)
         for h in range(len(law.mean)):
             if law.mean[h, q] != 0.0:
                 _add_swelling_rate(
@@ -160,24 +216,34 @@ def product(law, weights, strain, weight_rate, p, out):
         pressure[:] = 0.0
         for h in range(len(law.bulk)):
             _add_scaled(law.bulk[h, q], law.swelling_rate[h], pressure)
-        for r in range(4):
-            found = out[2 * q + r % 2, p, r // 2]
+        for r in range(at.strains):
+            found = out[rows * q + r % 2, p, r // 2] if r < 4 else out[rows * q + 2, p, 0]
             # w A : e + w p' cof F + w' P
-            contract(values, MODULI + 4 * r, strain, q, p, found)
+            row = at.moduli + at.strains * r
+            contract(values, row, at.strains, strain, rows * q, p, found)
             _add_stress_rate(
-                values[COFACTOR + r], pressure, values[STRESS + r], weight_rate[q, p], found
+                values[at.cofactor + r], pressure, values[at.stress + r], weight_rate[q, p], found
             )
+        if rows == 3:
+            # no strain
+            out[rows * q + 2, p, 1, :] = 0.0
 
 
 @internal
-def contract(values, row, strain, q, p, out):
-    """Contract four rows of ``values``, from ``row`` on, with the strains of a point."""
+def contract(values, row, strains, strain, first, p, out):
+    """Contract ``strains`` rows of ``values``, from ``row`` on, with the strains of a point, whose rows
+    of ``strain`` begin at ``first``."""
     # a_11 e_11 + a_12 e_12 + a_21 e_21 + a_22 e_22
     a0, a1, a2, a3 = values[row], values[row + 1], values[row + 2], values[row + 3]
-    e0, e1 = strain[2 * q, p, 0], strain[2 * q + 1, p, 0]
-    e2, e3 = strain[2 * q, p, 1], strain[2 * q + 1, p, 1]
+    e0, e1 = strain[first, p, 0], strain[first + 1, p, 0]
+    e2, e3 = strain[first, p, 1], strain[first + 1, p, 1]
     for s in range(out.size):
         out[s] = a0[s] * e0[s] + a1[s] * e1[s] + a2[s] * e2[s] + a3[s] * e3[s]
+    if strains == 5:
+        a4, e4 = values[row + 4], strain[first + 2, p, 0]
+        for s in range(out.size):
+            # + a_h e_h
+            out[s] += a4[s] * e4[s]
 
 
 @internal

@@ -4,6 +4,9 @@ Pressure projection in the energy: det F - 1 is averaged over each column of bac
 functions N_h of ``pressure``,
 
     W = sum_q w_q W(F_q) + sum_h K/2 V_h s_h^2,   s_h = sum_q N_h w_q (det F_q - 1) / V_h.
+
+In a body of revolution det F is that of the three-dimensional F: J = h det F with the hoop stretch h of
+the third strain row (``rkpm.axisymmetry``) and the in-plane F.
 """
 
 from typing import NamedTuple
@@ -11,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined, internal
-from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.rkpm.shape_functions import grad_rows
 
 
 class Deformation(NamedTuple):
@@ -19,12 +22,12 @@ class Deformation(NamedTuple):
 
     Attributes
     ----------
-    f : ndarray, shape (K, n_columns, q, 5)
-        F in the order 11, 12, 21, 22, and det F - 1.
+    f : ndarray, shape (K, n_columns, q, 5 or 6)
+        F in the order 11, 12, 21, 22, and J - 1; in a body of revolution also h.
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
     swelling : ndarray, shape (K, n_columns, m)
-        Projected det F - 1.
+        Projected J - 1.
     """
 
     f: np.ndarray
@@ -33,14 +36,23 @@ class Deformation(NamedTuple):
 
     @property
     def jacobian(self) -> np.ndarray:
-        """J = det F, shape (K, n_columns, q)."""
+        """J, shape (K, n_columns, q)."""
         return 1.0 + self.f[..., 4]
 
+    @property
+    def hoop(self) -> np.ndarray | None:
+        """h of a body of revolution, shape (K, n_columns, q)."""
+        return self.f[..., 5] if self.f.shape[-1] == 6 else None
 
-def no_deformation(n_fields: int, weights: np.ndarray, n_functions: int) -> Deformation:
-    """Room for ``n_fields`` displacement fields on columns with quadrature ``weights``."""
-    shape = (n_fields, *weights.shape)
-    return Deformation(np.empty((*shape, 5)), np.empty(shape), np.empty((*shape[:2], n_functions)))
+
+def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
+    """Room for ``n_fields`` displacement fields on the columns of a ``CellTable``."""
+    shape = (n_fields, *cells.column_weights.shape)
+    # with h in a body of revolution
+    size = 6 if cells.axisymmetric else 5
+    return Deformation(
+        np.empty((*shape, size)), np.empty(shape), np.empty((*shape[:2], n_functions))
+    )
 
 
 @inlined
@@ -75,16 +87,18 @@ def at_point(functions, q, values):
 
 @inlined
 def group_gradients(grad, displacement, n, q_count, f):
-    """Deformation gradients of one group: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1.
+    """Deformation gradients of one group: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1; in a
+    body of revolution (q, 6) with J - 1, J = h det F, and h.
 
-    ``grad`` is flat (point, component, neighbour), ``displacement`` (2, n). det F - 1 is formed from the
-    displacement gradient: det F itself would lose the small volume change that the bulk modulus
+    ``grad`` is flat (point, row, neighbour), ``displacement`` (2, n). J - 1 is formed from the
+    displacement gradient: J itself would lose the small volume change that the bulk modulus
     multiplies.
     """
+    rows = f.shape[1] - 3
     for q in range(q_count):
         f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
         for a in range(n):
-            bx, by = grad[2 * q * n + a], grad[(2 * q + 1) * n + a]
+            bx, by = grad[rows * q * n + a], grad[(rows * q + 1) * n + a]
             # grad u_ij = sum_I d_Ii Phi_I,j
             f11 += displacement[0, a] * bx
             f12 += displacement[0, a] * by
@@ -93,6 +107,14 @@ def group_gradients(grad, displacement, n, q_count, f):
         # F = 1 + grad u,  det F - 1 = tr grad u + det grad u
         f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
         f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
+        if rows == 3:
+            widening = 0.0
+            for a in range(n):
+                # h - 1 = sum_I d_I1 Phi_I / R
+                widening += displacement[0, a] * grad[(3 * q + 2) * n + a]
+            # J - 1 = (det F - 1) + (h - 1) + (det F - 1)(h - 1)
+            f[q, 4] += widening + f[q, 4] * widening
+            f[q, 5] = 1.0 + widening
 
 
 @internal
@@ -119,11 +141,13 @@ def deform(table, weights, functions, d, out):
     int
         The first column with an inverted quadrature point, at which it stops, or -1.
     """
-    q_count, displacement = table.group_size, np.empty((2, widest_group(table)))
+    q_count, rows, displacement = (
+        table.group_size, grad_rows(table), np.empty((2, widest_group(table)))
+    )  # fmt: skip
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count]
+        grad = table.grad[rows * s0 * q_count : rows * (s0 + n) * q_count]
         for i in range(n):
             near = table.neighbours[s0 + i]
             # d_I of the neighbours
@@ -131,8 +155,8 @@ def deform(table, weights, functions, d, out):
         f = out.f[0, column]
         group_gradients(grad, displacement, n, q_count, f)
         for q in range(q_count):
-            # det F <= 0, or no number: inverted
-            if not f[q, 4] > -1.0:
+            # J <= 0 or h <= 0, or no number: inverted
+            if not f[q, 4] > -1.0 or (rows == 3 and not f[q, 5] > 0.0):
                 return column
             # T = F : F
             out.square[0, column, q] = (
@@ -162,7 +186,8 @@ def group_displacements(d, near, out):
 def _deform_many(table, weights, functions, d, out):
     """As ``deform`` for fields that are known to be admissible, by one matrix product a column."""
     q_count, widest, rows = table.group_size, widest_group(table), 2 * len(d)
-    points = 2 * q_count
+    per_point = grad_rows(table)
+    points = per_point * q_count
     displacements, turned = np.empty(rows * widest), np.empty(widest * points)
     slopes = np.empty((rows, points))
     for column in range(table.start.size - 1):
@@ -179,10 +204,16 @@ def _deform_many(table, weights, functions, d, out):
         for k in range(len(d)):
             for q in range(q_count):
                 f = out.f[k, column, q]
-                f11, f12 = slopes[2 * k, 2 * q], slopes[2 * k, 2 * q + 1]
-                f21, f22 = slopes[2 * k + 1, 2 * q], slopes[2 * k + 1, 2 * q + 1]
+                at = per_point * q
+                f11, f12 = slopes[2 * k, at], slopes[2 * k, at + 1]
+                f21, f22 = slopes[2 * k + 1, at], slopes[2 * k + 1, at + 1]
                 f[0], f[1], f[2], f[3] = 1.0 + f11, f12, f21, 1.0 + f22
                 f[4] = f11 + f22 + (f11 * f22 - f12 * f21)
+                if per_point == 3:
+                    # J - 1 = (det F - 1) + (h - 1) + (det F - 1)(h - 1)
+                    widening = slopes[2 * k, at + 2]
+                    f[4] += widening + f[4] * widening
+                    f[5] = 1.0 + widening
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
             for h in range(len(functions)):
                 out.swelling[k, column, h] = _swelling(
@@ -190,12 +221,10 @@ def _deform_many(table, weights, functions, d, out):
                 )
 
 
-def deformations(
-    table: ShapeTable, weights: np.ndarray, functions: np.ndarray, d: np.ndarray
-) -> Deformation:
-    """Deformation at displacement fields (K, n, 2) of converged steps."""
-    out = no_deformation(len(d), weights, len(functions))
-    _deform_many(table, weights, functions, d, out)
+def deformations(cells, functions: np.ndarray, d: np.ndarray) -> Deformation:
+    """Deformation of a ``CellTable`` at displacement fields (K, n, 2) of converged steps."""
+    out = no_deformation(len(d), cells, len(functions))
+    _deform_many(cells.table, cells.column_weights, functions, d, out)
     return out
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.materials import hoop_stretch
 from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
@@ -19,6 +20,11 @@ from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, Linearized
 from seal_mdao.terms.term import Scalar, Term, TermDefinition
 
 _NO_BRANCH = np.empty(0, int)
+
+
+def _plane_jacobian(f: np.ndarray) -> np.ndarray:
+    """Compute det F of in-plane gradients (..., 4) in the order 11, 12, 21, 22."""
+    return f[..., 0] * f[..., 3] - f[..., 1] * f[..., 2]
 
 
 class Region(NamedTuple):
@@ -129,8 +135,9 @@ class StructuralTerm(Term):
         self.discretization, self.cells = discretization, discretization.cells
         self.functions, self._before = discretization.body.pressure.functions, None
         self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
-        self.deformation = no_deformation(1, self.cells.column_weights, len(self.functions))
-        self.rounding = float(self.bulk.max() * discretization.body.support_radius.max())
+        self.deformation = no_deformation(1, self.cells, len(self.functions))
+        size = discretization.body.support_radius.max() * self.cells.circumferences.max()
+        self.rounding = float(self.bulk.max() * size)
 
     def _per_column(self, values, dtype=float) -> np.ndarray:
         """A value of each region spread to the columns of cells, shape (n_columns,).
@@ -157,31 +164,49 @@ class StructuralTerm(Term):
 
     # ---- the material at the quadrature points ----
 
-    def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
-        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q)."""
-        square, jacobian = deformation.square, deformation.jacobian
-        # one material: no copies
-        if len(self.definition.regions) == 1:
-            return self.definition.regions[0].material.derivatives(square, jacobian)
-        out = np.empty((5, *square.shape))
-        t, j, rows = self._by_cell(square), self._by_cell(jacobian), self._by_cell(out)
-        # every region by its own law
+    def _by_region(self, deformation: Deformation):
+        """Every region with its state (T, J), and h in a body of revolution, as views by cell."""
+        states = [deformation.square, deformation.jacobian]
+        if deformation.hoop is not None:
+            states.append(deformation.hoop)
+        states = [self._by_cell(state) for state in states]
         for region in self.definition.regions:
-            at = region.at
-            rows[:, :, at] = region.material.derivatives(t[:, at], j[:, at])
+            yield region, [state[..., region.at, :] for state in states]
+
+    def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q); in a body of revolution
+        also W_h, W_Th, W_Jh, W_hh, shape (9, ...)."""
+        around = deformation.hoop is not None
+        # one material: no copies
+        if len(self.definition.regions) == 1 and not around:
+            material = self.definition.regions[0].material
+            return material.derivatives(deformation.square, deformation.jacobian)
+        out = np.empty((hoop_stretch.ROWS if around else 5, *deformation.square.shape))
+        rows = self._by_cell(out)
+        # every region by its own law
+        for region, state in self._by_region(deformation):
+            rows[:, :, region.at] = (
+                hoop_stretch.derivatives(region.material, *state)
+                if around
+                else region.material.derivatives(*state)
+            )
         return out
 
     def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
-        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q)."""
-        out = np.zeros((len(self.names), 2, *deformation.square.shape))
-        t, j = self._by_cell(deformation.square), self._by_cell(deformation.jacobian)
+        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q); in a body of
+        revolution d(W_T, W_J, W_h), shape (C, 3, ...)."""
+        around = deformation.hoop is not None
+        out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
         by_cell = self._by_cell(out)
-        for region in self.definition.regions:
-            at = region.at
+        for region, state in self._by_region(deformation):
             # d(W_T, W_J)/dc; equal names are one parameter
-            rows = region.material.constant_derivatives(t[:, at], j[:, at])
+            rows = (
+                hoop_stretch.constant_derivatives(region.material, *state)
+                if around
+                else region.material.constant_derivatives(*state)
+            )
             for name, row in zip(region.names, rows, strict=True):
-                by_cell[self.names.index(name)][:, :, at] = row
+                by_cell[self.names.index(name)][:, :, region.at] = row
         return out
 
     @cached_property
@@ -228,7 +253,7 @@ class StructuralTerm(Term):
 
     def deformation_of(self, d: np.ndarray) -> Deformation:
         """Deformation at displacement fields (K, n, 2) that are known to be admissible."""
-        return deformations(self.cells.table, self.cells.column_weights, self.functions, d)
+        return deformations(self.cells, self.functions, d)
 
     def pressure(self, deformation: Deformation) -> np.ndarray:
         """K sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
@@ -268,16 +293,27 @@ class StructuralTerm(Term):
 
     def _beyond_linear(self, table, du) -> np.ndarray:
         """Part of the swelling (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
-        det(F + G) - det F - cof F : G = det G with G = grad du. 0 where an increment inverts a cell."""
+        det(F + G) - det F - cof F : G = det G with G = grad du, and what the hoop stretch adds. 0
+        where an increment inverts a cell."""
         weights, functions = self.cells.column_weights, self.functions
-        increment = no_deformation(1, weights, len(functions))
+        increment = no_deformation(1, self.cells, len(functions))
         if deform(table, weights, functions, du, increment) >= 0:
             return np.zeros(self.deformation.swelling.shape[1:])
-        f = increment.f[0]
+        f, now = increment.f[0], self.deformation.f[0]
+        change, around = f[..., 4], increment.hoop is not None
+        if around:
+            # J - 1 of the increment = (det(1 + G) - 1) (1 + g) + g
+            g = f[..., 5] - 1.0
+            change = (change - g) / f[..., 5]
         # f is 1 + G: det G = det(1 + G) - 1 - tr G
-        det = f[..., 4] - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
+        beyond = change - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
+        if around:
+            # of J = h det F, h = h0 + g: h0 det G + g (det(F0 + G) - det F0)
+            now, before = now[..., :4], now[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
+            grown = _plane_jacobian(now) - _plane_jacobian(before)
+            beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
         # sum_q N_h w det G / V_h
-        return (weights * det) @ functions.T / (weights @ functions.T)
+        return (weights * beyond) @ functions.T / (weights @ functions.T)
 
     # ---- mixed iterations ----
 
@@ -324,23 +360,21 @@ class StructuralTerm(Term):
 
     def density(self, deformation: Deformation) -> np.ndarray:
         """W at the quadrature points of one field, shape (n_columns, q)."""
-        out = np.empty(deformation.square.shape[1:])
-        t, j = self._by_cell(deformation.square[0]), self._by_cell(deformation.jacobian[0])
+        out = np.empty(deformation.square.shape)
         by_cell = self._by_cell(out)
-        for region in self.definition.regions:
-            by_cell[region.at] = region.material.energy(t[region.at], j[region.at])
-        return out
+        for region, state in self._by_region(deformation):
+            by_cell[:, region.at] = region.material.energy(*hoop_stretch.plane_state(*state))
+        return out[0]
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
         """dW / d(every parameter) of one field, but for what is projected, shape (C, n_columns, q)."""
-        out = np.zeros((len(self.names), *deformation.square.shape[1:]))
-        t, j = self._by_cell(deformation.square[0]), self._by_cell(deformation.jacobian[0])
+        out = np.zeros((len(self.names), *deformation.square.shape))
         by_cell = self._by_cell(out)
-        for region in self.definition.regions:
-            rows = region.material.constant_energies(t[region.at], j[region.at])
+        for region, state in self._by_region(deformation):
+            rows = region.material.constant_energies(*hoop_stretch.plane_state(*state))
             for name, row in zip(region.names, rows, strict=True):
-                by_cell[self.names.index(name)][region.at] = row
-        return out
+                by_cell[self.names.index(name)][:, region.at] = row
+        return out[:, 0]
 
     # ---- sensitivities ----
 

@@ -1,10 +1,11 @@
 """Strain energy as something to measure: its derivatives at a converged step.
 
-E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = det F - 1
+E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = J - 1
 
 dE/dd   = internal force
 dE/dw   = W + K sum_h N_h (s_h e - s_h^2 / 2)
 dE/dB_j = w P_ij d_i,                 P with the projected pressure K sum_h N_h s_h
+dE/dB_h = w P_h d_1                   of the hoop row of a body of revolution
 dE/dc   = sum_q w dW/dc,              dE/dK = sum_h V_h s_h^2 / 2
 """
 
@@ -14,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.compilation import compiled
-from seal_mdao.structure.internal_force import point_stress
+from seal_mdao.rkpm.shape_functions import grad_rows
+from seal_mdao.structure.internal_force import W_H, plane_jacobian, point_stress
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
     on_weights = term.density(deformation) + pressure * deformation.f[0, ..., 4]
     on_weights -= 0.5 * term.bulk[:, None] * squares
     grad = np.empty(table.grad.size)
-    w = term.energy_derivatives(deformation)[:2, 0]
+    w = term.energy_derivatives(deformation)[:, 0]
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
     # dE/dc = sum_q w dW/dc,  dE/dK = sum_h V_h s_h^2 / 2
     constants = np.einsum("ncq,cq->n", term.constant_densities(deformation), weights)
@@ -90,11 +92,11 @@ def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
 @compiled
 def _fill_gradient(table, weights, f, w, pressure, d, out):
     """``out``: w P_ij d_i for every neighbour and j."""
-    q_count = table.group_size
+    q_count, rows = table.group_size, grad_rows(table)
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        own = out[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        own = out[rows * s0 * q_count : rows * (s0 + n) * q_count].reshape(q_count, rows, n)
         for q in range(q_count):
             # P = 2 W_T F + (W_J + p) cof F
             w_j = w[1, column, q] + pressure[column, q]
@@ -105,16 +107,23 @@ def _fill_gradient(table, weights, f, w, pressure, d, out):
                 for a in range(n):
                     near = table.neighbours[s0 + a]
                     own[q, j, a] = x * d[near, 0] + y * d[near, 1]
+            if rows == 3:
+                # dE/dB_Ih = w P_h d_I1,  P_h = W_h + (W_J + p) det F
+                p_h = w[W_H, column, q] + w_j * plane_jacobian(f[column, q])
+                for a in range(n):
+                    near = table.neighbours[s0 + a]
+                    own[q, 2, a] = weights[column, q] * p_h * d[near, 0]
 
 
 @compiled
 def add_gradient_rates(table, rates, gradient, out):
     """Add the sum of ``gradient`` times B' over all columns to ``out`` (P,)."""
+    rows = grad_rows(table)
     for column in range(table.start.size - 1):
         which = rates.active[rates.start[column, 0] : rates.start[column + 1, 0]]
-        count, first = which.size, 2 * table.group_size * table.start[column]
-        at = 2 * rates.start[column, 1]
-        for k in range(2 * table.group_size * (table.start[column + 1] - table.start[column])):
+        count, first = which.size, rows * table.group_size * table.start[column]
+        at = rows * rates.start[column, 1]
+        for k in range(rows * table.group_size * (table.start[column + 1] - table.start[column])):
             # E' += dE/dB B'
             for p in range(count):
                 out[which[p]] += gradient[first + k] * rates.grad[at + k * count + p]

@@ -11,20 +11,22 @@ Each has L of ``column_law``, the linearisation of w P in a column of cells, bet
               w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h
     tangent   e = B u,    K u = B^T w L e                                         Eq. (44)
 
+In a body of revolution B has the hoop row Phi / R and e the strain of h (``column_law``).
+
 The first two are kernels of their own, matrix products of a block of load steps in every column.
 """
 
 import numpy as np
 
 from seal_mdao.compilation import compiled, internal
+from seal_mdao.rkpm.shape_functions import grad_rows
 from seal_mdao.structure.column_law import (
-    CHANGE,
-    GRADIENT,
-    STRESS,
     contract,
     empty_law,
+    law_rows,
     linearize_column,
     product,
+    strain_count,
 )
 from seal_mdao.structure.deformation import block, group_displacements, widest_group
 
@@ -45,8 +47,9 @@ def add_force_rates(states, rates, weight_rates, equations, out):
     """
     table, functions, d = states.table, states.functions, states.d
     q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
-    rows, points, widest = 2 * n_steps, 2 * q_count, widest_group(table)
-    law, every = empty_law(q_count, len(functions), n_steps), np.arange(n_steps)
+    per_point, at_row = grad_rows(table), law_rows(strain_count(table))
+    rows, points, widest = 2 * n_steps, per_point * q_count, widest_group(table)
+    law, every = empty_law(table, len(functions), n_steps), np.arange(n_steps)
     displacements, turned = np.empty(rows * widest), np.empty(points * widest)
     stress, by_parameter = np.empty((rows, points)), np.empty(points * widest * most)
     slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
@@ -60,7 +63,7 @@ def add_force_rates(states, rates, weight_rates, equations, out):
         n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
         grad = table.grad[s0 * points : (s0 + n) * points].reshape(points, n)
-        at = 2 * rates.start[column, 1]
+        at = per_point * rates.start[column, 1]
         b_rate = rates.grad[at : at + points * n * count].reshape(points, n * count)
         # d of the neighbours, B and B' with the neighbour first, w' of the column
         u, b = block(displacements, n, rows), block(turned, n, points)
@@ -82,8 +85,15 @@ def add_force_rates(states, rates, weight_rates, equations, out):
             for q in range(q_count):
                 # w P, rows (component, step)
                 for r in range(4):
-                    weighted = weights[q] * law.values[q, STRESS + r, k]
-                    stress[r // 2 * n_steps + k, 2 * q + r % 2] = weighted
+                    weighted = weights[q] * law.values[q, at_row.stress + r, k]
+                    stress[r // 2 * n_steps + k, per_point * q + r % 2] = weighted
+                if per_point == 3:
+                    # of h: along the first component
+                    weighted = weights[q] * law.values[q, at_row.stress + 4, k]
+                    stress[k, per_point * q + 2], stress[n_steps + k, per_point * q + 2] = (
+                        weighted,
+                        0.0,
+                    )
         # F' = B' d
         f_rate = block(slope_rates, points * count, rows)
         np.dot(b_rate_of, u, f_rate)
@@ -131,10 +141,10 @@ def _outer(stress, lam, dual, d, out):
 
 
 @internal
-def _weight_seeds(law, strain, q, out):
+def _weight_seeds(law, at, strain, q, out):
     """Compute w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h, p_h = K s_h', at point ``q``."""
-    change = law.values[q, CHANGE]
-    contract(law.values[q], STRESS, strain, q, 0, out)
+    change, first = law.values[q, at.change], q * (len(strain) // len(law.values))
+    contract(law.values[q], at.stress, at.strains, strain, first, 0, out)
     for h in range(len(law.bulk)):
         for s in range(out.size):
             # law.bulk is K N_h
@@ -145,16 +155,21 @@ def _weight_seeds(law, strain, q, out):
 def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_row, step_of, out):
     """Compute the seeds on the constants c, ``out`` (C, S): sum_q w (dP/dc) : e."""
     functions, on_f, most = states.functions, np.empty(step_of.size), len(by_constants)
+    at, per_point = law_rows(strain_count(states.table)), grad_rows(states.table)
     out[:] = 0.0
     for q in range(weights.size if most > 0 else 0):
         on_cof = law.on_cofactor[q]
-        contract(law.values[q], GRADIENT, strain, q, 0, on_f)
+        contract(law.values[q], at.gradient, at.strains, strain, per_point * q, 0, on_f)
         for c in range(most):
             by_t, by_j = by_constants[c, 0], by_constants[c, 1]
             for s in range(step_of.size):
                 # w dP/dc : e = 2 W_Tc w F : e + W_Jc w cof F : e
                 along = 2.0 * weights[q] * by_t[step_of[s], column, q] * on_f[s]
                 out[c, s] += along + by_j[step_of[s], column, q] * on_cof[s]
+                if per_point == 3:
+                    # + W_hc w e_h
+                    by_h = by_constants[c, 2, step_of[s], column, q]
+                    out[c, s] += weights[q] * by_h * strain[3 * q + 2, 0, 0, s]
         for h in range(len(functions) if bulk_row >= 0 else 0):
             for s in range(step_of.size):
                 # w dP/dK : e = sum_h N_h s_h w cof F : e
@@ -190,10 +205,11 @@ def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equa
     table, functions, d, (grad_bar, weight_bar, constants_bar) = (
         states.table, states.functions, states.d, out
     )  # fmt: skip
-    q_count, rows, points = table.group_size, 2 * d.shape[0], 2 * table.group_size
+    q_count, per_point, rows = table.group_size, grad_rows(table), 2 * d.shape[0]
+    points, at_row = per_point * q_count, law_rows(strain_count(table))
     (total, count), widest = mix.shape, widest_group(table)
     scalars = q_count + len(by_constants)
-    law, still = empty_law(q_count, len(functions), total), np.zeros((q_count, 1))
+    law, still = empty_law(table, len(functions), total), np.zeros((q_count, 1))
     displacements, strain = np.empty(rows * widest), np.empty((points, 2 * total))
     stress, dual = np.empty((points, 2, total)), np.empty((points, 2, total))
     duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
@@ -221,11 +237,16 @@ def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equa
         size = points * n
         of_adjoints = block(terms, size + scalars, total)
         for q in range(q_count):
-            _weight_seeds(law, strains, q, of_adjoints[size + q])
+            _weight_seeds(law, at_row, strains, q, of_adjoints[size + q])
             for r in range(4):
-                own, p = stress[2 * q + r % 2, r // 2], law.values[q, STRESS + r]
+                own, p = stress[per_point * q + r % 2, r // 2], law.values[q, at_row.stress + r]
                 for s in range(total):
                     own[s] = weights[q] * p[s]
+            if per_point == 3:
+                own, p = stress[per_point * q + 2], law.values[q, at_row.stress + 4]
+                for s in range(total):
+                    # of h: along the first component
+                    own[0, s], own[1, s] = weights[q] * p[s], 0.0
         _constant_seeds(
             law, strains, weights, states, column, by_constants, bulk_row[column], step_of,
             of_adjoints[size + q_count :],
@@ -257,8 +278,10 @@ def add_tangent_product(states, nodal, equations, out):
         Added to.
     """
     table, functions = states.table, states.functions
-    q_count, points, count = table.group_size, 2 * table.group_size, nodal.shape[2]
-    law, first = empty_law(q_count, len(functions), count), np.zeros(count, np.int64)
+    q_count, points, count = (
+        table.group_size, grad_rows(table) * table.group_size, nodal.shape[2]
+    )  # fmt: skip
+    law, first = empty_law(table, len(functions), count), np.zeros(count, np.int64)
     still, stress = np.zeros((q_count, 1)), np.empty((points, 1, 2, count))
     for column in range(table.start.size - 1):
         s0 = table.start[column]

@@ -1,7 +1,11 @@
 """Internal force and tangent of the structural form a(z, z-bar) and a*(z; dz, z-bar), Eqs. (43), (44).
 
 They are the exact first and second derivatives of the energy of ``deformation``. The kernels know no
-material: they take the derivatives of W(T, J) at the quadrature points as arrays.
+material: they take the derivatives of W(T, J) at the quadrature points as arrays. In a body of
+revolution the strains have h as a fifth component, with the hoop row Phi / R of the table, and W(T, J, h)
+has more derivatives (``materials.hoop_stretch``):
+
+    P = 2 W_T F + W_J h cof F,    P_h = W_h + W_J det F,    J = h det F.
 """
 
 import math
@@ -9,25 +13,58 @@ import math
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined, internal
+from seal_mdao.rkpm.shape_functions import grad_rows
 from seal_mdao.structure.deformation import at_point, volume_of, widest_group
+
+# Rows of the derivatives of W that only bodies of revolution have.
+W_H, W_TH, W_JH, W_HH = 5, 6, 7, 8
+
+
+@inlined
+def hoop_stretch(f):
+    """h of a point, 1 in plane strain."""
+    return f[5] if f.size == 6 else 1.0
+
+
+@inlined
+def plane_jacobian(f):
+    """det F of the in-plane F, which is dJ/dh."""
+    return f[0] * f[3] - f[1] * f[2]
 
 
 @inlined
 def point_stress(f, w_t, w_j):
-    """First Piola-Kirchhoff stress P = 2 W_T F + W_J cof F: 11, 12, 21, 22."""
+    """First Piola-Kirchhoff stress P = 2 W_T F + W_J h cof F: 11, 12, 21, 22."""
+    on_cofactor = w_j * hoop_stretch(f)
     return (
-        2.0 * w_t * f[0] + w_j * f[3],
-        2.0 * w_t * f[1] + w_j * -f[2],
-        2.0 * w_t * f[2] + w_j * -f[1],
-        2.0 * w_t * f[3] + w_j * f[0],
+        2.0 * w_t * f[0] + on_cofactor * f[3],
+        2.0 * w_t * f[1] + on_cofactor * -f[2],
+        2.0 * w_t * f[2] + on_cofactor * -f[1],
+        2.0 * w_t * f[3] + on_cofactor * f[0],
     )
 
 
 @internal
+def hoop_moduli(f, w_j, w_th, w_jh, w_hh, a):
+    """Row and column of h in the moduli ``a`` (5, 5) at fixed pressure, which ``w_j`` contains."""
+    # A_Fh = 2 W_Th F + (W_Jh h + W_J) cof F + det F (2 W_TJ F + W_JJ h cof F)
+    # A_hh = W_hh + 2 W_Jh det F + W_JJ (det F)^2
+    # the terms of W_TJ and W_JJ are those of dJ/dh = det F, see ``point_moduli``
+    cof, det = (f[3], -f[2], -f[1], f[0]), plane_jacobian(f)
+    for r in range(4):
+        a[r, 4] += 2.0 * w_th * f[r] + (w_jh * f[5] + w_j) * cof[r]
+        a[4, r] = a[r, 4]
+    a[4, 4] += w_hh + 2.0 * w_jh * det
+
+
+@internal
 def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
-    """Moduli A = dP/dF in ``a`` (4, 4) at fixed pressure, which ``w_j`` contains."""
-    # A = 2 W_T 1 + 4 W_TT F F + 2 W_TJ (F cof F + cof F F) + W_JJ cof F cof F + W_J d(cof F)/dF
-    cof = (f[3], -f[2], -f[1], f[0])
+    """Moduli A = dP/dF in ``a`` (4, 4) at fixed pressure, which ``w_j`` contains; (5, 5) in a body of
+    revolution, to which ``hoop_moduli`` adds what W_h does."""
+    # A = 2 W_T 1 + 4 W_TT F F + 2 W_TJ (F J_F + J_F F) + W_JJ J_F J_F + W_J d(J_F)/dF, J_F = h cof F
+    h = hoop_stretch(f)
+    cof = (h * f[3], -h * f[2], -h * f[1], h * f[0])
+    w_j = h * w_j
     for r in range(4):
         for c in range(4):
             a[r, c] = 2.0 * w_tj * (f[r] * cof[c] + cof[r] * f[c]) + w_jj * cof[r] * cof[c]
@@ -38,12 +75,18 @@ def point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a):
     a[3, 0] += w_j
     a[1, 2] -= w_j
     a[2, 1] -= w_j
+    if len(a) == 5:
+        # J_h = det F beside J_F
+        det = plane_jacobian(f)
+        for r in range(4):
+            a[r, 4] = det * (2.0 * w_tj * f[r] + w_jj * cof[r])
+        a[4, 4] = w_jj * det * det
 
 
 @internal
 def _moduli_rows(weight, a, b, n, c, first):
-    """weight A B of one quadrature point in four rows of ``c`` from ``first`` on: 11, 12, 21, 22;
-    columns x then y."""
+    """weight A B of one quadrature point in as many rows of ``c`` from ``first`` on as ``a`` has: 11,
+    12, 21, 22 or h; columns x then y."""
     for r in range(len(a)):  # not range(4): unrolled there is twice as much to compile
         # w A B, the two components of B side by side
         ax0, ax1 = weight * a[r, 0], weight * a[r, 1]
@@ -53,6 +96,10 @@ def _moduli_rows(weight, a, b, n, c, first):
             row[j] = ax0 * b0[j] + ax1 * b1[j]
         for j in range(n):
             row[n + j] = ay0 * b0[j] + ay1 * b1[j]
+        if len(b) == 3:
+            for j in range(n):
+                # w A_rh Phi_I / R
+                row[j] += weight * a[r, 4] * b[2, j]
 
 
 @inlined
@@ -90,8 +137,9 @@ def _fill_row(grad, c, g, i, a, row):
 
 
 @internal
-def _scatter_tangent(grad, c, g, buffer, slots, values):
-    """Add sum_q B^T (w A B) + sum_h g_h g_h^T of one column of cells to the tangent.
+def _scatter_tangent(grad, c, hoop, g, buffer, slots, values):
+    """Add sum_q B^T (w A B) + sum_h g_h g_h^T of one column of cells to the tangent, with the rows
+    ``hoop`` (q, 2 n) of w A B of h in a body of revolution.
 
     The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
     one triangle only is slower, for the scatter then strides. The last term is the projected
@@ -102,6 +150,11 @@ def _scatter_tangent(grad, c, g, buffer, slots, values):
     for i in range(2):
         for a in range(n):
             _fill_row(grad, c, g, i, a, row)
+            if i == 0:
+                for q in range(len(hoop)):
+                    for j in range(row.size):
+                        # Phi_I / R (w A_h B)
+                        row[j] += grad[q, 2, a] * hoop[q, j]
             first = (i * n + a) * row.size
             for j in range(row.size):
                 values[slots[first + j]] += row[j]
@@ -119,16 +172,19 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
         Of the quadrature, and of the pressure.
     deformation : Deformation
         Of ``deform``; its field ``k`` is taken.
-    w : ndarray, shape (5, n_columns, q)
-        W_T, W_J, W_TT, W_TJ, W_JJ at that field.
+    w : ndarray, shape (5 or 9, n_columns, q)
+        W_T, W_J, W_TT, W_TJ, W_JJ at that field; in a body of revolution also W_h, W_Th, W_Jh, W_hh.
     bulk : ndarray, shape (n_columns,)
         K of the projected energy.
     scatter : Scatter
     force, values : ndarray
         Length n_equations + 1 (the last collects imposed components), and the tangent buffer.
     """
-    q_count, widest = table.group_size, widest_group(table)
-    a, local = np.empty((4, 4)), np.empty(2 * widest)
+    q_count, widest, rows = table.group_size, widest_group(table), grad_rows(table)
+    around = rows == 3
+    strains = 5 if around else 4
+    a, local = np.empty((strains, strains)), np.empty(2 * widest)
+    hoop = np.empty((q_count if around else 0, 2 * widest))
     # as many functions as fours of points, what is missing of either zero: see ``_fill_row``
     passes = (q_count + 3) // 4
     passes = passes if passes > len(functions) else len(functions)
@@ -142,7 +198,8 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
         s0 = table.start[column]
         n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
-        grad = table.grad[2 * s0 * q_count : 2 * (s0 + n) * q_count].reshape(q_count, 2, n)
+        grad = table.grad[rows * s0 * q_count : rows * (s0 + n) * q_count]
+        grad = grad.reshape(q_count, rows, n)
         # s_h of the column
         swelling = deformation.swelling[k, column]
         for i in range(2 * n):
@@ -159,20 +216,33 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                 # f_Ii = sum_q w P_ij Phi_I,j   Eq. (43)
                 local[i] += weight * (p[0] * b[0, i] + p[1] * b[1, i])
                 local[n + i] += weight * (p[2] * b[0, i] + p[3] * b[1, i])
+            if around:
+                # P_h = W_h + W_J det F
+                p_h = w[W_H, column, q] + w_j * plane_jacobian(f)
+                for i in range(n):
+                    # f_I1 += sum_q w P_h Phi_I / R
+                    local[i] += weight * p_h * b[2, i]
             if values.size:
                 # A = dP/dF at fixed pressure
                 w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
                 point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
+                if around:
+                    w_th, w_jh, w_hh = w[W_TH, column, q], w[W_JH, column, q], w[W_HH, column, q]
+                    hoop_moduli(f, w_j, w_th, w_jh, w_hh, a)
+                    _moduli_rows(weight, a[4:], b, n, hoop, q)
                 f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
                 for h in range(len(functions)):
-                    # g_h += N_h w cof F B
-                    weighted = functions[h, q] * weight
+                    # g_h += N_h w J_F B, J_F = h cof F and J_h = det F
+                    weighted = functions[h, q] * weight * hoop_stretch(f)
+                    if around:
+                        for i in range(n):
+                            g[h, i] += functions[h, q] * weight * plane_jacobian(f) * b[2, i]
                     if weighted != 0.0:
                         for i in range(n):
                             g[h, i] += weighted * (f22 * b[0, i] - f21 * b[1, i])
                         for i in range(n):
                             g[h, n + i] += weighted * (f11 * b[1, i] - f12 * b[0, i])
-                _moduli_rows(weight, a, b, n, c, 4 * q)
+                _moduli_rows(weight, a[:4], b, n, c, 4 * q)
         for i in range(n):
             # into the equations
             force[scatter.equations[near[i], 0]] += local[i]
@@ -184,4 +254,4 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                 for i in range(2 * n):
                     g[h, i] *= root
             slots = scatter.slots[scatter.start[column] : scatter.start[column + 1]]
-            _scatter_tangent(grad, c, g, local, slots, values)
+            _scatter_tangent(grad, c, hoop, g, local, slots, values)

@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.transformed import TableRates
 from seal_mdao.structure.energy_gradient import BodySeeds, add_gradient_rates, energy_gradient
 from seal_mdao.structure.force_products import (
@@ -27,7 +26,7 @@ from seal_mdao.structure.force_products import (
     add_force_seeds,
     add_tangent_product,
 )
-from seal_mdao.structure.internal_force import assemble_internal
+from seal_mdao.structure.internal_force import W_H, assemble_internal
 from seal_mdao.terms.linearized_term import LinearizedTerm
 
 
@@ -76,7 +75,7 @@ class CellBasis:
         # B_bar to the particles, by way of the consistent gradients and T
         matrix_bar = disc.cells.pull_back(seeds.grad, weight_bar, particles_bar)
         # w_bar to the particles
-        add_weight_seeds(disc.body.cell_map, disc.particles, weight_bar, particles_bar)
+        disc.cells.add_weight_seeds(weight_bar, particles_bar)
         return matrix_bar
 
 
@@ -104,14 +103,15 @@ class BodyBlock:
             self._add_constants(design.parameters, loads)
 
     def _add_constants(self, constant_rates, loads):
-        """The force is linear in W_T, W_J and K; so its rates are forces of their rates."""
+        """The force is linear in W_T, W_J, W_h and K; so its rates are forces of their rates."""
         states, by_constants = self.states, self.term.constant_derivatives(self.states.deformation)
         quadrature, w = (states.table, states.weights, states.functions), np.zeros_like(states.w)
         for row, rate in enumerate(constant_rates):
             if not rate.any():
                 continue
-            # f with W_T, W_J replaced by their derivatives in the constant, and K by 1 or 0
-            bulk, w[:2] = (self.term.bulk_row == row).astype(float), by_constants[row]
+            # f with W_T, W_J, W_h replaced by their derivatives in the constant, and K by 1 or 0
+            bulk, w[:2] = (self.term.bulk_row == row).astype(float), by_constants[row, :2]
+            w[W_H : W_H + 1] = by_constants[row, 2:]
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(

@@ -88,7 +88,7 @@ class PointRows:
         """Rates for the parameters of ``rates``; ``shape`` are the ``DiscretizationRates``."""
         particles, velocity = self.discretization.particles, rates.velocity
         # w', X' and theta'
-        measure = self.where.length_rates(particles, velocity)[:, None]
+        measure = self.where.measure_rates(particles, velocity)[:, None]
         x, parameters = self.where.moving.rates(particles, velocity), rates.of(self.term.names)
         return PointDesign(shape.tables[self.term.index], x, measure, parameters)
 
@@ -109,7 +109,7 @@ class PointRows:
         # x = X + B d, and X itself
         x_bar = law.x + law.reference if law.reference.shape[1] else law.x
         # w = length of the boundary at the point,  x = X + B d
-        self.where.add_length_seeds(disc.particles, law.measure[:, 0], particles_bar)
+        self.where.add_measure_seeds(disc.particles, law.measure[:, 0], particles_bar)
         self.where.moving.add_seeds(disc.particles, x_bar, particles_bar)
         # B_bar to the particles and to T
         return self.table.pull_back(seeds.phi, none, particles_bar)

@@ -1,10 +1,11 @@
 """Material points of a boundary at which terms act, with the lengths they stand for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from seal_mdao.rkpm.averages import EdgeAverages
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
@@ -29,6 +30,9 @@ class MaterialPoints:
         Share of the length of each edge.
     averages : EdgeAverages or None
         Means over the edges beside the points, by which they move in place of their own.
+    radial : ndarray, shape (k, e, 2), or None
+        In a body of revolution, weights of both ends of an edge in the radius at which its share is
+        turned about the axis; None in plane strain.
     """
 
     points: PointSet
@@ -36,6 +40,7 @@ class MaterialPoints:
     edges: np.ndarray
     fractions: np.ndarray
     averages: EdgeAverages | None = None
+    radial: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.fixed)
@@ -71,30 +76,79 @@ class MaterialPoints:
         return summed / np.where(total > 0.0, total, 1.0)
 
     def lengths(self, particles: np.ndarray) -> np.ndarray:
-        """Measure of every point, shape (k,)."""
+        """Length of the section that each point stands for, shape (k,)."""
         # l = sum_e fraction |X_b - X_a|
+        return self.fixed + self._edge_lengths(particles).sum(axis=1)
+
+    def measures(self, particles: np.ndarray) -> np.ndarray:
+        """Length that each point stands for; in a body of revolution the area per mm of section,
+        mm m, shape (k,)."""
+        if self.radial is None:
+            return self.lengths(particles)
+        # sum_e fraction |X_b - X_a| c_e,  c = 2 pi R
+        return (self._edge_lengths(particles) * self._circumferences(particles)).sum(axis=1)
+
+    def _edge_lengths(self, particles) -> np.ndarray:
+        """Share of the length of every edge, shape (k, e)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
-        return self.fixed + (self.fractions * np.hypot(edge[..., 0], edge[..., 1])).sum(axis=1)
+        return self.fractions * np.hypot(edge[..., 0], edge[..., 1])
+
+    def _circumferences(self, vectors) -> np.ndarray:
+        """c = 2 pi R of every edge, m, of particles or velocities (..., n, 2), shape (..., k, e)."""
+        return CIRCUMFERENCE * (self.radial * vectors[..., self.edges, 0]).sum(axis=-1)
 
     def _pulls(self, particles) -> np.ndarray:
-        """d(measure) / d(second end of an edge), shape (k, e, 2)."""
+        """d(length) / d(second end of an edge), shape (k, e, 2)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
         # dl/dX_b = fraction (X_b - X_a) / |X_b - X_a|
         size = np.linalg.norm(edge, axis=2, keepdims=True)
         return self.fractions[..., None] * edge / np.where(size > 0.0, size, 1.0)
 
-    def length_rates(self, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-        """Rates along design velocities (P, n, 2), shape (k, P)."""
-        # l' = dl/dX_b . (V_b - V_a)
+    def measure_rates(self, particles: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """Rates of ``measures`` along design velocities (P, n, 2), shape (k, P)."""
         motion = velocity[:, self.edges[..., 1]] - velocity[:, self.edges[..., 0]]
-        return np.einsum("kei,pkei->kp", self._pulls(particles), motion)
+        pulls = self._pulls(particles)
+        if self.radial is None:
+            # l' = dl/dX_b . (V_b - V_a)
+            return np.einsum("kei,pkei->kp", pulls, motion)
+        # (c l)' = c l' + c' l, c being linear in the particles
+        pulls = pulls * self._circumferences(particles)[..., None]
+        around = self._circumferences(velocity) * self._edge_lengths(particles)
+        return np.einsum("kei,pkei->kp", pulls, motion) + around.sum(axis=-1).T
 
-    def add_length_seeds(self, particles, length_bar, x_bar) -> None:
-        """Transpose of ``length_rates``: seeds (k, M) added to ``x_bar`` (n, 2, M)."""
+    def add_measure_seeds(self, particles, measure_bar, x_bar) -> None:
+        """Transpose of ``measure_rates``: seeds (k, M) added to ``x_bar`` (n, 2, M)."""
+        pulls = self._pulls(particles)
+        if self.radial is not None:
+            pulls = pulls * self._circumferences(particles)[..., None]
+            # R_a_bar += 2 pi radial_a l (c l)_bar
+            on_radii = CIRCUMFERENCE * self.radial * self._edge_lengths(particles)[..., None]
+            on_ends = np.zeros((*self.edges.shape, 2, measure_bar.shape[1]))
+            on_ends[..., 0, :] = on_radii[..., None] * measure_bar[:, None, None]
+            scatter_add(x_bar, self.edges, on_ends)
         # X_b_bar += dl/dX_b l_bar,  X_a_bar -= the same
-        pull = self._pulls(particles)[..., None] * length_bar[:, None, None]
+        pull = pulls[..., None] * measure_bar[:, None, None]
         scatter_add(x_bar, self.edges[..., 1], pull)
         scatter_add(x_bar, self.edges[..., 0], -pull)
+
+    def add_length_seeds(self, particles, length_bar, x_bar) -> None:
+        """Transpose of the rates of ``lengths``: seeds (k, M) added to ``x_bar`` (n, 2, M)."""
+        replace(self, radial=None).add_measure_seeds(particles, length_bar, x_bar)
+
+    def around_axis(self) -> "MaterialPoints":
+        """The points on a body of revolution: shares of edges are turned about the axis.
+
+        The share that a point has of an edge is that of the linear function of its particle, so that
+        its radius is int R N ds / int N ds = 2/3 R_a + 1/3 R_b; at a point between the particles it is
+        the radius of the point.
+        """
+        anchors, weights = self.points.anchors, self.points.weights
+        if anchors.shape[1] == 1:
+            own = self.edges == anchors[:, :, None]
+            radial = np.where(own, 2.0, 1.0) / 3.0
+        else:
+            radial = weights[:, None]
+        return replace(self, radial=radial)
 
 
 def single_points(which: np.ndarray) -> PointSet:

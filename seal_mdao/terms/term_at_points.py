@@ -38,7 +38,7 @@ class TermAtPoints(Term):
         self.discretization, self.table = discretization, discretization.tables[index]
         self.reference = self.table.coordinates
         # w, the length that a point stands for
-        self.length = where.lengths(discretization.particles)
+        self.length = where.measures(discretization.particles)
         self._x = np.empty((len(where), 2))
 
     @property

@@ -27,7 +27,7 @@ def _edge_rule(cells: np.ndarray, n_edge: int, column: int) -> tuple[EdgeRule, n
     shares = np.tile(0.5 * np.column_stack([1 - g, 1 + g]), (len(cells), 4, 1))
     number = np.arange(ends[..., 0].size).reshape(-1, column * 4 * n_edge)
     place = (number % number.shape[1]).reshape(ends.shape[:2])
-    return EdgeRule(ends, shares, number, place), np.tile(w, 4)
+    return EdgeRule(ends, shares, shares, number, place), np.tile(w, 4)
 
 
 def _corrected(weights, normals, x, x_edge, phi, phi_edge, grad):
@@ -78,7 +78,9 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
         grad.append(new.ravel())
     raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
     transform = TableTransform(raw, disc.transformation)
-    cells = CellTable(rule, disc.weights, gauss, edges, raw, transform.table, transform)
+    cells = CellTable(
+        body.cell_map, rule, disc.weights, gauss, edges, raw, transform.table, transform
+    )
     where = [term.point_set() for term in terms]
     tables = [p and build_table(disc.cloud, p, disc.transformation) for p in where]
     couples = tuple(term.couples for term in terms)

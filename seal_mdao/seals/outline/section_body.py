@@ -78,7 +78,11 @@ class SectionBody(NamedTuple):
         """
         for name in edges:
             self.body.edge(name)
-        sides = self.sides(self.in_order(edges))
+        points = self._points(self.sides(self.in_order(edges)), at)
+        return points.around_axis() if self.body.axisymmetric else points
+
+    def _points(self, sides, at: str) -> MaterialPoints:
+        """Contact points of neighbouring sides (m, 2)."""
         if at == "edges":
             return edge_points(sides, 1)
         which = np.array(list(dict.fromkeys(sides.ravel().tolist())), int)
