@@ -34,14 +34,14 @@ class Probe:
 
     def __init__(self, discretization: Discretization, table: PointTable, n_measures: int = 0):
         self.layout, self.points, self.table = discretization.layout, table, table.table
-        self.every = np.arange(self.table.n_groups)
+        self.every, self.strains = np.arange(self.table.n_groups), discretization.body.strains
         self.phi_bar = np.zeros((self.table.phi.size, n_measures))
         self.grad_bar = np.zeros((self.table.grad.size, n_measures))
 
     # ---- direct ----
 
     def rates(self, shape: TableRates, step, solution, prescribed=None):
-        """Rates of the displacements (s, 2, P) and of F (s, 4, P).
+        """Rates of the displacements (s, 2, P) and of F (s, 4, P), with h (s, 5, P).
 
         Parameters
         ----------
@@ -54,7 +54,8 @@ class Probe:
             d' of the imposed displacements.
         """
         table, count = self.table, solution.shape[1]
-        moved, f_rate = np.zeros((self.every.size, 2, count)), np.zeros((self.every.size, 4, count))
+        moved = np.zeros((self.every.size, 2, count))
+        f_rate = np.zeros((self.every.size, self.strains, count))
         # Phi' d and grad Phi' d
         add_displacement_rates(table, self.every, shape, step.d, moved)
         add_gradient_rates(table, shape, step.d, f_rate)

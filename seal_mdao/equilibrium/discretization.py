@@ -109,6 +109,11 @@ class Body:
         return len(self.support_radius)
 
     @property
+    def strains(self) -> int:
+        """Components of F at a point: 11, 12, 21, 22, and h in a body of revolution."""
+        return 5 if self.axisymmetric else 4
+
+    @property
     def constrained(self) -> np.ndarray:
         """Sorted particles with a prescribed component."""
         return np.flatnonzero(self.fixed.any(axis=1))
@@ -257,8 +262,14 @@ class Discretization:
             if which.max(initial=0) >= self.body.n_particles:
                 every = self.body.samples
                 points = PointSet(every.anchors[which], every.weights[which], 1)
-            self._tables_at[key] = build_table(self.cloud, points, self.transformation)
+            self._tables_at[key] = self.sloped_table(points)
         return self._tables_at[key]
+
+    def sloped_table(self, points: PointSet) -> PointTable:
+        """Evaluate shape functions and their gradients, with the hoop rows of a body of revolution, at
+        points of the section."""
+        hooped = points._replace(hooped=self.body.axisymmetric)
+        return build_table(self.cloud, hooped, self.transformation)
 
     @cached_property
     def _tables_at(self) -> dict:

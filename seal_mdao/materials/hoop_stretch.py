@@ -28,8 +28,11 @@ def plane_state(t, j, h=None) -> tuple[np.ndarray, np.ndarray]:
     return (t, j) if h is None else (t / h**2, j / h**3)
 
 
-def derivatives(material, t, j, h) -> np.ndarray:
-    """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, W_h, W_Th, W_Jh, W_hh, shape (9, ...)."""
+def derivatives(material, t, j, h=None) -> np.ndarray:
+    """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...), and where h is given W_h, W_Th, W_Jh, W_hh,
+    shape (9, ...)."""
+    if h is None:
+        return material.derivatives(t, j)
     a, b = plane_state(t, j, h)
     w_a, w_b, w_aa, w_ab, w_bb = material.derivatives(a, b)
     out = np.empty((ROWS, *np.shape(t)))
@@ -46,8 +49,11 @@ def derivatives(material, t, j, h) -> np.ndarray:
     return out
 
 
-def constant_derivatives(material, t, j, h) -> np.ndarray:
-    """Evaluate d(W_T, W_J, W_h) / d constant, shape (n_constants, 3, ...)."""
+def constant_derivatives(material, t, j, h=None) -> np.ndarray:
+    """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...), and where h is given d W_h / d
+    constant, (n_constants, 3, ...)."""
+    if h is None:
+        return material.constant_derivatives(t, j)
     a, b = plane_state(t, j, h)
     rates = material.constant_derivatives(a, b)
     by_a, by_b = rates[:, 0], rates[:, 1]
@@ -55,8 +61,10 @@ def constant_derivatives(material, t, j, h) -> np.ndarray:
     return np.stack([by_a / h**2, by_b / h**3, on_h], axis=1)
 
 
-def von_mises(material, t, j, h) -> np.ndarray:
-    """Evaluate the von Mises stress, d/dT, d/dJ and d/dh, shape (4, ...)."""
+def von_mises(material, t, j, h=None) -> np.ndarray:
+    """Evaluate the von Mises stress, d/dT and d/dJ, shape (3, ...), and d/dh where h is given, (4, ...)."""
+    if h is None:
+        return material.von_mises(t, j)
     a, b = plane_state(t, j, h)
     value, by_a, by_b = material.von_mises(a, b) / h**3
     # d/dh = (-2 a d/da - 3 b d/db - 3) / h of s(a, b) / h^3
@@ -64,6 +72,8 @@ def von_mises(material, t, j, h) -> np.ndarray:
     return np.array([value, by_a / h**2, by_b / h**3, by_h])
 
 
-def von_mises_constants(material, t, j, h) -> np.ndarray:
+def von_mises_constants(material, t, j, h=None) -> np.ndarray:
     """Evaluate d sigma_vm / d constant, shape (n_constants, ...)."""
+    if h is None:
+        return material.von_mises_constants(t, j)
     return material.von_mises_constants(*plane_state(t, j, h)) / h**3

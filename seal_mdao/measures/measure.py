@@ -19,8 +19,8 @@ class Seeds:
     ----------
     displacement : ndarray, shape (M, s, 2)
         In the displacements of s particles.
-    gradient : ndarray, shape (M, s, 4)
-        In F at these particles, in the order 11, 12, 21, 22.
+    gradient : ndarray, shape (M, s, 4 or 5)
+        In F at these particles, in the order 11, 12, 21, 22, and in h of a body of revolution.
     terms : dict of str to object
         By label, in the forces and outputs of a term (``PointSeeds``, ...).
     """
@@ -62,7 +62,7 @@ class Partials:
         In scalar parameters, likewise.
     seeds : dict of int to Seeds
         By index in ``path.steps``.
-    section : dict of int to ndarray, shape (M, N, 4)
+    section : dict of int to ndarray, shape (M, N, 4 or 5)
         By index in ``path.steps``, in F at all N points of ``Body.samples``.
     """
 
@@ -79,7 +79,8 @@ class Partials:
         if index not in self.seeds:
             # created on first use: most measures depend on the last step only
             m, n = self.particles.shape[:2]
-            self.seeds[index] = Seeds(np.zeros((m, n, 2)), np.zeros((m, n, 4)), {})
+            strains = self.path.discretization.body.strains
+            self.seeds[index] = Seeds(np.zeros((m, n, 2)), np.zeros((m, n, strains)), {})
         return self.seeds[index]
 
     def displacement(self, step=None) -> np.ndarray:
@@ -87,15 +88,16 @@ class Partials:
         return self._at(step).displacement
 
     def gradient(self, step=None) -> np.ndarray:
-        """Return d/dF at the particles, in the order 11, 12, 21, 22, shape (M, n, 4)."""
+        """Return d/dF at the particles, in the order 11, 12, 21, 22, and d/dh in a body of revolution,
+        shape (M, n, 4 or 5)."""
         return self._at(step).gradient
 
     def section_gradient(self, step=None) -> np.ndarray:
         """Return d/dF at ``Body.samples``, points over the section with the particles first, in the
-        order 11, 12, 21, 22, shape (M, N, 4)."""
+        order 11, 12, 21, 22, and d/dh in a body of revolution, shape (M, N, 4 or 5)."""
         self._at(step)
-        n_samples = len(self.path.discretization.body.samples.anchors)
-        empty = np.zeros((self.count, n_samples, 4))
+        body = self.path.discretization.body
+        empty = np.zeros((self.count, len(body.samples.anchors), body.strains))
         return self.section.setdefault(self._index(step), empty)
 
     def of_term(self, label: str, step=None):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao.materials.hoop_stretch import von_mises
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table
 from seal_mdao.seals.result import SealResult
@@ -72,9 +73,11 @@ class FineGrid:
         # |F|^2 = F_ij F_ij and J of every point, then the law of its region
         f = deformation_gradients(self.table.raw, self._coefficients(step))
         square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
+        # and h of a body of revolution
+        state = [square, jacobian, *f[:, 5:].T]
         for number, region in enumerate(self.result.term("structure").definition.regions):
             at = self.region == number
-            stress[at] = region.material.von_mises(square[at], jacobian[at])[0]
+            stress[at] = von_mises(region.material, *(own[at] for own in state))[0]
         return np.nan_to_num(stress, nan=np.nanmax(stress))
 
 
@@ -93,6 +96,7 @@ def fine_grid(result: SealResult, divisions: int | None = None) -> FineGrid:
     body = result.term("structure").definition
     region = body.per_cell(range(len(body.regions)), len(cells), int)
     points, of_cell, of_point = _refined(cells, region, divisions)
+    points = points._replace(hooped=disc.body.axisymmetric)
     quads, table = _quads(of_cell), build_table(disc.cloud, points)
     loops = boundary_loops(cells, of_cell)
     return FineGrid(result, table, of_point, quads, _triangles(quads), loops)

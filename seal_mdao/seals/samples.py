@@ -8,7 +8,6 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.rkpm.shape_functions import PointSet
-from seal_mdao.rkpm.tables import build_table
 from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.terms.point_assembly import interpolate
 
@@ -45,7 +44,7 @@ class Samples:
         halves = 0.5 * np.column_stack([1.0 - share, share])
         weights = np.full(anchors.shape, 0.25)
         weights[: len(share)] = np.column_stack([halves, halves])
-        return build_table(disc.cloud, PointSet(anchors, weights, 1), disc.transformation)
+        return disc.sloped_table(PointSet(anchors, weights, 1))
 
     @cached_property
     def chains(self) -> np.ndarray:
@@ -76,13 +75,14 @@ class Samples:
 
     @cached_property
     def _gradients(self) -> np.ndarray:
-        """F_11, F_12, F_21, F_22 and det F - 1 at the points, shape (N, 5)."""
+        """F_11, F_12, F_21, F_22 and J - 1 at the points, shape (N, 5); (N, 6) with h of a body of
+        revolution."""
         d = self.path.steps[-1].d
         return np.concatenate([deformation_gradients(table, d) for table in self._tables])
 
     @property
     def volume_change(self) -> np.ndarray:
-        """det F at the points, shape (N,)."""
+        """J = det F of all three stretches at the points, shape (N,)."""
         return 1.0 + self._gradients[:, 4]
 
     @cached_property
@@ -93,7 +93,10 @@ class Samples:
         # J = F_11 F_22 - F_12 F_21
         t, j = (f[:, :4] ** 2).sum(axis=1), f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2]
         largest = np.sqrt(0.5 * (t + np.sqrt(np.maximum(t**2 - 4.0 * j**2, 0.0))))
-        return np.column_stack([np.abs(j) / largest, largest])
+        pair = np.column_stack([np.abs(j) / largest, largest])
+        # and the hoop stretch of a body of revolution
+        every = np.column_stack([pair, f[:, 5:]])
+        return np.column_stack([every.min(axis=1), every.max(axis=1)])
 
     @property
     def cell_stretches(self) -> np.ndarray:

@@ -185,11 +185,7 @@ class StructuralTerm(Term):
         rows = self._by_cell(out)
         # every region by its own law
         for region, state in self._by_region(deformation):
-            rows[:, :, region.at] = (
-                hoop_stretch.derivatives(region.material, *state)
-                if around
-                else region.material.derivatives(*state)
-            )
+            rows[:, :, region.at] = hoop_stretch.derivatives(region.material, *state)
         return out
 
     def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
@@ -200,11 +196,7 @@ class StructuralTerm(Term):
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
             # d(W_T, W_J)/dc; equal names are one parameter
-            rows = (
-                hoop_stretch.constant_derivatives(region.material, *state)
-                if around
-                else region.material.constant_derivatives(*state)
-            )
+            rows = hoop_stretch.constant_derivatives(region.material, *state)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, :, region.at] = row
         return out

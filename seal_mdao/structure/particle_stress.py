@@ -3,22 +3,25 @@
 import numpy as np
 
 from seal_mdao.compilation import compiled
+from seal_mdao.materials import hoop_stretch
+from seal_mdao.rkpm.shape_functions import grad_rows
 from seal_mdao.structure.deformation import group_gradients
 
 
 @compiled
 def _point_gradients(table, d, f):
-    """F in the order 11, 12, 21, 22 and det F - 1 at single points, ``f`` (s, 5)."""
+    """F in the order 11, 12, 21, 22, and J - 1 at single points, ``f`` (s, 5), or (s, 6) with h."""
+    rows = grad_rows(table)
     for i in range(table.start.size - 1):
         s0, s1 = table.start[i], table.start[i + 1]
         # F = 1 + sum_I d_I grad Phi_I
-        grad = table.grad[2 * s0 : 2 * s1]
+        grad = table.grad[rows * s0 : rows * s1]
         group_gradients(grad, d[table.neighbours[s0:s1]].T, s1 - s0, 1, f[i : i + 1])
 
 
 def deformation_gradients(table, d: np.ndarray) -> np.ndarray:
-    """F (s, 5) at single points: 11, 12, 21, 22, and det F - 1."""
-    f = np.empty((table.n_groups, 5))
+    """F (s, 5) at single points: 11, 12, 21, 22, and J - 1; in a body of revolution (s, 6) with h."""
+    f = np.empty((table.n_groups, 3 + grad_rows(table)))
     _point_gradients(table, d, f)
     return f
 
@@ -32,8 +35,8 @@ def particle_stress(path, points: np.ndarray, step=None):
     Returns
     -------
     stress : ndarray, shape (s,)
-    by_gradient : ndarray, shape (s, 4)
-        d stress / d F in the order 11, 12, 21, 22.
+    by_gradient : ndarray, shape (s, 4 or 5)
+        d stress / d F in the order 11, 12, 21, 22, and d stress / dh in a body of revolution.
     by_constants : dict of str to ndarray, shape (s,)
         By the names of the material parameters.
     """
@@ -45,18 +48,25 @@ def particle_stress(path, points: np.ndarray, step=None):
     # T = F : F,  J = det F
     t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
     # cof F = (F_22, -F_21, -F_12, F_11)
-    cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
-    stress, by_gradient, by_constants = np.empty(len(points)), np.empty((len(points), 4)), {}
+    cofactor, h = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0), f[:, 5:].T
+    if h.size:
+        cofactor *= h.T
+    stress, by_constants = np.empty(len(points)), {}
+    by_gradient = np.empty((len(points), disc.body.strains))
     # beyond the particles are midpoints of sides and centres of cells
     inside = points.size > 0 and points.max() >= disc.body.n_particles
     of_region = (structure.sample_regions if inside else structure.particle_regions)[points]
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
-        value, by_t, by_j = region.material.von_mises(t[at], j[at])
+        state = (t[at], j[at], *h[:, at])
+        value, by_t, by_j, *by_h = hoop_stretch.von_mises(region.material, *state)
         stress[at] = value
-        # d sigma/dF = 2 sigma_T F + sigma_J cof F
-        by_gradient[at] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
-        rows = region.material.von_mises_constants(t[at], j[at])
+        # d sigma/dF = 2 sigma_T F + sigma_J h cof F
+        by_gradient[at, :4] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
+        for row in by_h:
+            # d sigma/dh = sigma_h + sigma_J det F
+            by_gradient[at, 4] = row + by_j * (j[at] / h[0, at])
+        rows = hoop_stretch.von_mises_constants(region.material, *state)
         for name, row in zip(region.names, rows, strict=True):
             by_constants.setdefault(name, np.zeros(len(points)))[at] = row
     return stress, by_gradient, by_constants

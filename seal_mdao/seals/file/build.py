@@ -113,7 +113,7 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
             contributions=[*file.contributions, *file.motions],
-            designs=[own.made() for own in file.designs],
+            designs=[own.made() for own in file.designs], axisymmetric=file.axisymmetric,
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

@@ -10,6 +10,7 @@ from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
+from seal_mdao.seals.file.model_table import check_axisymmetric
 from seal_mdao.seals.file.prescribed_edges import (
     check_edges,
     check_friction_by_edge,
@@ -30,6 +31,7 @@ def check(file) -> None:
     """Refuse a ``SealFile`` whose tables contradict each other."""
     # the section and its materials, then all that names its edges
     check_section(file)
+    check_axisymmetric(file)
     _check_supports(file)
     check_moved(file)
     _check_designs(file)

@@ -22,6 +22,7 @@ from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import Materials
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import AnyMeasure
+from seal_mdao.seals.file.model_table import AXISYMMETRIC, RADIAL, ModelTable, axis_edges
 from seal_mdao.seals.file.moved_table import MovedTable
 from seal_mdao.seals.file.optimize_table import OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable
@@ -42,6 +43,7 @@ class Written(BaseModel):
     # keys are the names of tables; what is unknown is refused by ``read_seal_file`` before
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    model: ModelTable = key("what the section stands for", ModelTable())
     material: Materials = key("rubbers by their names")
     section: WrittenSection = key("the section")
     profile: rows(ProfileTable) = key("rigid bodies that move against it", ())
@@ -94,6 +96,12 @@ class SealFile:
     terms: tuple[TermTable, ...] = ()
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
+    model: ModelTable = ModelTable()
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the section is turned about the axis x = 0."""
+        return self.model.kinematics == AXISYMMETRIC
 
     @property
     def open_penalties(self) -> tuple:
@@ -145,6 +153,10 @@ class SealFile:
         own = self.fixed_components
         mirrored = {n: ("xy".index(p.normal),) for p in self.symmetries for n in p.edges}
         held = dict.fromkeys(self.fixed_edges, own) | mirrored
+        if self.axisymmetric:
+            # edges on the axis stay there, those of [fixed] wholly
+            radial = dict.fromkeys(axis_edges(self.section.outline), (RADIAL,))
+            held = radial | held | {n: (0, 1) for n in radial if 1 in held.get(n, ())}
         held |= {name: moved.components for moved in self.moved for name in moved.edges}
         return held | {name: (0, 1) for edges in self.glued.values() for name in edges}
 

@@ -24,6 +24,8 @@ from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
 
+ON_AXIS = 1e-9
+"""Distance from the axis that is rounding, over the size of the section."""
 NONE = MappingProxyType({})
 """No edge is supported, or designed."""
 
@@ -104,7 +106,7 @@ class OutlineSeal(Seal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
-    contributions=(), designs=(), kernels: Kernels | None = None,
+    contributions=(), designs=(), kernels: Kernels | None = None, axisymmetric: bool = False,
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -130,6 +132,8 @@ def outline_seal(
         What may change about the shape; their parameters are the ``boundary_offsets``, mm.
     kernels : Kernels, optional
         If left out those of rays and of given clouds, else ``Kernels()``.
+    axisymmetric : bool
+        Whether the section is turned about the axis x = 0, in place of plane strain.
     standard, inputs, newton
         As of ``Seal``.
 
@@ -152,11 +156,13 @@ def outline_seal(
     }
     if kernels is None:
         kernels = spacing.kernels if isinstance(spacing, Rays | OutlineCloud) else Kernels()
+    if axisymmetric:
+        filled = _on_axis(filled)
     # both components of fixed edges are prescribed, the normal one of edges in a plane
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    body = _body(filled, kernels, prescribed, edges)
+    body = _body(filled, kernels, prescribed, edges, axisymmetric)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
@@ -177,6 +183,14 @@ def outline_seal(
         kernels=kernels, cuts=cuts, design_sizes=sizes,
         imposed_displacements=ImposedMotions(tuple(moved)) if moved else None,
     )  # fmt: skip
+
+
+def _on_axis(filled: OutlineCloud) -> OutlineCloud:
+    """Set the radii of particles at the axis, which rounding leaves beside it, to zero."""
+    particles = filled.particles.copy()
+    radii = particles[:, 0]
+    radii[np.abs(radii) <= ON_AXIS * np.ptp(particles, axis=0).max()] = 0.0
+    return replace(filled, particles=particles)
 
 
 def _filled(boundaries, spacing, cuts):
@@ -221,7 +235,7 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
         # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
         nominal_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
-        body=_body(filled, seal.kernels, prescribed, seal.body.edges),
+        body=_body(filled, seal.kernels, prescribed, seal.body.edges, seal.body.axisymmetric),
     )
 
 
@@ -252,7 +266,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     )
 
 
-def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
+def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool) -> Body:
     # kernels are chosen for the nominal particles, and stay the same in all designs
     cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
@@ -263,7 +277,7 @@ def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges) -> Body:
         cells, radius, prescribed, edges, nominal=nominal,
         hidden_pairs=hidden_pairs(cells, nominal, radius),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
-        n_gauss=kernels.n_gauss,
+        n_gauss=kernels.n_gauss, axisymmetric=axisymmetric,
     )  # fmt: skip
 
 

@@ -1,0 +1,123 @@
+"""``[model]``: kinematics of the section, and what a body of revolution does not allow."""
+
+from typing import Literal
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.materials.hoop_stretch import is_isochoric
+from seal_mdao.seals.file.clearance import LOOK, ROUNDING
+from seal_mdao.seals.file.schema import Table, key, table
+from seal_mdao.seals.outline.contours import Outline
+
+PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
+RADIAL = 0
+"""Component of displacement that is zero on the axis."""
+
+
+@table
+class ModelTable(Table):
+    """What the section stands for."""
+
+    kinematics: Literal[PLANE_STRAIN, AXISYMMETRIC] = key(
+        "long seal of this section, results per metre; or the ring that the section makes when it is "
+        "turned about the axis x = 0, results of the complete ring",
+        PLANE_STRAIN,
+    )
+
+
+def axis_edges(outline: Outline) -> tuple[str, ...]:
+    """Find the edges that lie on the axis x = 0."""
+    return tuple(name for name in outline.edge_names if _radii(outline, name).max() <= _on(outline))
+
+
+def _radii(outline: Outline, name: str) -> np.ndarray:
+    """Distances from the axis along an edge, negative beyond it, mm."""
+    around = [s.points(s.chords(LOOK * outline.size))[:, 0] for s in outline.edge(name)]
+    return np.concatenate(around)
+
+
+def _on(outline: Outline) -> float:
+    """Distance from the axis that counts as zero, mm."""
+    return ROUNDING * outline.size
+
+
+def check_axisymmetric(file) -> None:
+    """Refuse a ``SealFile`` of a body of revolution that has what such a body cannot have."""
+    if not file.axisymmetric:
+        return
+    _check_section(file.section.outline)
+    _check_edges_on_axis(file)
+    _check_motions(file)
+    for name, material in file.materials.items():
+        if not is_isochoric(material):
+            raise SealFileError(
+                f"[material.{name}]: a compressible law is known in plane strain only; for "
+                f'kinematics = "{AXISYMMETRIC}" choose one with a bulk_modulus'
+            )
+    for kind, given in (("cavity", file.cavities), ("fluid", file.fluids)):
+        if given:
+            raise SealFileError(
+                f'[[{kind}]]: pressure of air and fluids is known with kinematics = "{PLANE_STRAIN}" '
+                "only; leave the table out"
+            )
+    for number, measure in enumerate(file.measures, 1):
+        if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:
+            what = measure.type if measure.type == "leak_rate" else "length"
+            raise SealFileError(
+                f'[[measure]] {number}: {what} is for kinematics = "{PLANE_STRAIN}"; a ring has its '
+                "own length, and its forces are in N"
+            )
+
+
+def _check_section(outline: Outline) -> None:
+    """Refuse a section beyond the axis, or that touches it without an edge there."""
+    tolerance, on_axis = _on(outline), axis_edges(outline)
+    ends = [(s.first, s.last) for name in on_axis for s in outline.edge(name)]
+    known = np.array(ends).reshape(-1, 2)
+    for name in outline.edge_names:
+        radii = _radii(outline, name)
+        if radii.min() < -tolerance:
+            raise SealFileError(
+                f"[section]: the edge {name!r} goes to x = {radii.min():.4g}, beyond the axis x = 0 of "
+                f'kinematics = "{AXISYMMETRIC}"; x is the radius: move the section to x >= 0'
+            )
+        if name in on_axis:
+            continue
+        for segment in outline.edge(name):
+            for point in np.array([segment.first, segment.last], float):
+                apart = np.hypot(*(known - point).T).min(initial=np.inf)
+                if point[0] <= tolerance and apart > tolerance:
+                    raise SealFileError(
+                        f"[section]: the edge {name!r} touches the axis at y = {point[1]:.4g}, where "
+                        "no edge lies on the axis; end it at x > 0, or give the section an edge on "
+                        "x = 0"
+                    )
+
+
+def _check_edges_on_axis(file) -> None:
+    """Refuse contact, designs and motions of edges on the axis."""
+    on_axis = set(axis_edges(file.section.outline))
+    named = [(f"[[profile]] {i}: contact", own.contact) for i, own in enumerate(file.profiles, 1)]
+    named += [(f"[[design]] {i}: edges", own.moving) for i, own in enumerate(file.designs, 1)]
+    named += [(f"[[moved]] {i}: edges", own.edges) for i, own in enumerate(file.moved, 1)]
+    if file.self_contact is not None:
+        named.append(("[self_contact]: edges", file.self_contact.edges))
+    for where, names in named:
+        for name in names:
+            if name in on_axis:
+                raise SealFileError(
+                    f"{where} has {name!r}, which lies on the axis of revolution, inside the body"
+                )
+
+
+def _check_motions(file) -> None:
+    """Refuse stages that rotate: a ring has no such rigid motion."""
+    for kind, rows in (("profile", file.profiles), ("moved", file.moved)):
+        for i, own in enumerate(rows, 1):
+            for k, stage in enumerate(own.stages, 1):
+                if stage.rotate:
+                    raise SealFileError(
+                        f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {k} rotates, which no body "
+                        "of revolution does; translate it along y, or along x as a ring that grows"
+                    )
