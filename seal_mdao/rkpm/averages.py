@@ -8,7 +8,9 @@ With weight functions psi_A that sum to one, each on the edges e beside particle
 Phi_A gives the mean of the deformed boundary beside A, x_A = sum_q (m_q / L_A) x(X_q) = X_A + Phi_A d.
 The Gauss points of straight edges are those with which ``integration`` integrates them: forces L_A t at
 the means are the uniform traction t to rounding. Contact at means passes the patch test, contact at
-particles does not.
+particles does not. In a body of revolution m_q has the circumference c_q = 2 pi R_q (``axisymmetry``),
+
+    m_q = c_q w_q l_e psi_A(X_q).
 """
 
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
@@ -33,52 +36,74 @@ class EdgeAverages(NamedTuple):
     edges : ndarray of int, shape (k, e, 2)
         From A to the other ends of these edges; to A itself where there is none.
     fractions : ndarray, shape (k, e, q)
-        m_q / l_e, w_q psi_A; zero for an edge that is missing.
+        m_q / (c_q l_e), w_q psi_A; zero for an edge that is missing.
+    around : bool
+        Whether the edges are turned about the axis; c_q = 1 in plane strain.
     """
 
     gauss: PointSet
     edges: np.ndarray
     fractions: np.ndarray
+    around: bool = False
 
     def weights(self, particles: np.ndarray) -> np.ndarray:
         """Compute m_q / L_A, shape (k, e q), for ``particles`` (n, 2)."""
-        _, length, total = self._lengths(particles)
-        # m_q = fraction l_e
-        found = self.fractions * (length / total)[..., None]
+        _, length, around, total = self._sizes(particles)
+        # m_q = fraction c_q l_e
+        found = self.fractions * (length[..., None] * around / total)
         return found.reshape(len(found), -1)
 
     def weight_rates(self, particles, velocity) -> np.ndarray:
         """Differentiate the weights along design velocities (P, n, 2), shape (k, e q, P)."""
-        tangent, length, total = self._lengths(particles)
+        tangent, length, around, total = self._sizes(particles)
         moved = velocity[:, self.edges[..., 1]] - velocity[:, self.edges[..., 0]]
-        # l_e' = t . (V_b - V_a),  L' = sum_e l_e' sum_q fraction
-        rates = np.einsum("kei,pkei->kep", tangent, moved)
-        total_rate = np.einsum("keq,kep->kp", self.fractions, rates)[:, None]
-        # (m_q / L)' = fraction (l_e' - l_e L' / L) / L
-        change = (rates - (length / total)[..., None] * total_rate) / total[..., None]
-        found = self.fractions[..., None] * change[:, :, None]
+        # l_e' = t . (V_b - V_a),  (c_q l_e)' = c_q l_e' + c_q' l_e
+        rates = np.einsum("kei,pkei->kep", tangent, moved)[:, :, None] * around[..., None]
+        if self.around:
+            widened = self._circumferences(np.moveaxis(velocity, 0, 2))
+            rates = rates + widened * length[..., None, None]
+        fractions, total = self.fractions[..., None], total[..., None]
+        total_rate = (fractions * rates).sum(axis=(1, 2), keepdims=True)
+        # (m_q / L)' = fraction ((c_q l_e)' - c_q l_e L' / L) / L
+        share = (length[..., None] * around)[..., None] / total
+        found = fractions * ((rates - share * total_rate) / total)
         return found.reshape(len(found), -1, velocity.shape[0])
 
     def add_weight_seeds(self, particles, weight_bar, x_bar) -> None:
         """Transpose of ``weight_rates``: seeds (k, e q, M) added to ``x_bar`` (n, 2, M)."""
-        tangent, length, total = self._lengths(particles)
-        seeds = weight_bar.reshape(*self.fractions.shape, -1)
-        # seeds on (l_e' - l_e L' / L) / L, and on L'
-        on_change = np.einsum("keq,keqm->kem", self.fractions, seeds) / total[..., None]
-        on_total = np.einsum("ke,kem->km", length / total, on_change)[:, None]
-        length_bar = on_change - self.fractions.sum(axis=2)[..., None] * on_total
+        tangent, length, around, total = self._sizes(particles)
+        fractions, total = self.fractions[..., None], total[..., None]
+        seeds = fractions * weight_bar.reshape(*self.fractions.shape, -1) / total
+        # seeds on (c_q l_e)' and, by L', on all of them
+        share = (length[..., None] * around)[..., None] / total
+        on_sizes = seeds - fractions * (share * seeds).sum(axis=(1, 2), keepdims=True)
+        if self.around:
+            # R_q_bar = 2 pi l_e (c_q l_e)_bar
+            on_radius = CIRCUMFERENCE * length[..., None, None] * on_sizes
+            on_gauss = np.zeros((self.gauss.anchors.shape[0], 2, on_radius.shape[-1]))
+            on_gauss[:, 0] = on_radius.reshape(len(on_gauss), -1)
+            self.gauss.add_seeds(particles, on_gauss, x_bar)
+        length_bar = (around[..., None] * on_sizes).sum(axis=2)
         pull = tangent[..., None] * length_bar[:, :, None]
         scatter_add(x_bar, self.edges[..., 1], pull)
         scatter_add(x_bar, self.edges[..., 0], -pull)
 
-    def _lengths(self, particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tangents t (k, e, 2) and lengths l_e (k, e) of the edges, a missing one of length one, and
-        L_A (k, 1)."""
+    def _sizes(self, particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents t (k, e, 2) and lengths l_e (k, e) of the edges, a missing one of length one, c_q
+        (k, e, q) and L_A (k, 1, 1)."""
         edge = particles[self.edges[..., 1]] - particles[self.edges[..., 0]]
         length = np.hypot(edge[..., 0], edge[..., 1])
         length = np.where(length > 0.0, length, 1.0)
-        total = np.einsum("keq,ke->k", self.fractions, length)
-        return edge / length[..., None], length, total[:, None]
+        around = np.ones(self.fractions.shape)
+        if self.around:
+            around = self._circumferences(particles)
+        total = np.einsum("keq,ke,keq->k", self.fractions, length, around)
+        return edge / length[..., None], length, around, total[:, None, None]
+
+    def _circumferences(self, vectors) -> np.ndarray:
+        """c_q = 2 pi R_q, m, of particles or velocities (n, 2, ...), shape (k, e, q, ...)."""
+        radii = self._gauss_at(vectors)[:, :, 0]
+        return CIRCUMFERENCE * radii.reshape(*self.fractions.shape, *radii.shape[2:])
 
     def _gauss_at(self, vectors) -> np.ndarray:
         """Values (k, e q, ...) at the Gauss points of a field (n, ...) at the particles."""

@@ -30,7 +30,9 @@ SMOOTH, DUAL = 0.5, 1.0
 """gamma of other edges, and of those beside a corner or, where they are straight, at an end."""
 
 
-def averaged_points(which: np.ndarray, neighbours: np.ndarray, nominal) -> MaterialPoints:
+def averaged_points(
+    which: np.ndarray, neighbours: np.ndarray, nominal, axisymmetric: bool = False
+) -> MaterialPoints:
     """Boundary particles that move as the mean of the edges beside them, with half of their lengths.
 
     Parameters
@@ -40,6 +42,8 @@ def averaged_points(which: np.ndarray, neighbours: np.ndarray, nominal) -> Mater
     nominal : ndarray, shape (n, 2)
         Particles of the nominal body, which say where the boundary has corners and how its edges are
         curved, mm.
+    axisymmetric : bool
+        Whether the edges are turned about the axis x = 0.
     """
     where = boundary_particles(which, neighbours)
     # edges from A to B, the particle C before A, the edge from B to A where there is one
@@ -63,11 +67,21 @@ def averaged_points(which: np.ndarray, neighbours: np.ndarray, nominal) -> Mater
     anchors = np.column_stack([a, b, c, np.where(known, c[back], b)])
     gauss = PointSet(np.repeat(anchors, 2, axis=0), between.reshape(-1, 4), 4, sloped=False)
     # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
-    straight_end = ~(inner & inner[back] & known) & ~(near | far)
+    inside = inner & known
+    if axisymmetric:
+        # the boundary goes on beyond the axis as its mirror image; dual hats are weightless there
+        inside = (inner | (nominal[a, 0] == 0.0)) & known
+    straight_end = ~(inside & inside[back]) & ~(near | far)
     gamma = np.where(at_corner | straight_end, DUAL, SMOOTH)[:, None]
     fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
-    averages = EdgeAverages(gauss, where.edges, fractions.reshape(*where.edges.shape[:2], 2))
-    return replace(where, averages=averages)
+    radial = None
+    if axisymmetric:
+        # int R psi_A / int psi_A on the chord of an edge, psi_A linear: 2/3 + gamma/3 of R_A
+        own = (2.0 + gamma.reshape(where.edges.shape[:2])) / 3.0
+        radial = np.stack([own, 1.0 - own], axis=2)
+    fractions = fractions.reshape(*where.edges.shape[:2], 2)
+    averages = EdgeAverages(gauss, where.edges, fractions, axisymmetric)
+    return replace(where, averages=averages, radial=radial)
 
 
 def _opposite(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

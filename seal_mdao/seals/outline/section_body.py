@@ -78,13 +78,10 @@ class SectionBody(NamedTuple):
         """
         for name in edges:
             self.body.edge(name)
-        points = self._points(self.sides(self.in_order(edges)), at)
-        return points.around_axis() if self.body.axisymmetric else points
-
-    def _points(self, sides, at: str) -> MaterialPoints:
-        """Contact points of neighbouring sides (m, 2)."""
+        sides, axisymmetric = self.sides(self.in_order(edges)), self.body.axisymmetric
         if at == "edges":
-            return edge_points(sides, 1)
+            points = edge_points(sides, 1)
+            return points.around_axis() if axisymmetric else points
         which = np.array(list(dict.fromkeys(sides.ravel().tolist())), int)
         # particles before and after; a particle itself where it has no side
         neighbours = np.column_stack([np.arange(self.body.n_particles)] * 2)
@@ -92,5 +89,6 @@ class SectionBody(NamedTuple):
         neighbours[sides[:, 0], 1] = sides[:, 1]
         movable = which[~self.body.fixed[which].all(axis=1)]
         if at == "averages":
-            return averaged_points(movable, neighbours[movable], self.body.nominal)
-        return boundary_particles(movable, neighbours[movable])
+            return averaged_points(movable, neighbours[movable], self.body.nominal, axisymmetric)
+        points = boundary_particles(movable, neighbours[movable])
+        return points.around_axis() if axisymmetric else points
