@@ -175,4 +175,5 @@ def _units(task: Task) -> str | None:
     names = [m for m in task.measures if not isinstance(m, Measure)]
     own = [m for m in task.measures if isinstance(m, Measure)]
     known = (*own, *(task.seal.measures(names) if names else ()))
-    return next(measure.units for measure in known if measure.name == task.minimize)
+    units = next(measure.units for measure in known if measure.name == task.minimize)
+    return task.seal.units.of(units)

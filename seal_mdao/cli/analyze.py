@@ -97,7 +97,7 @@ def summarize(result: SealResult) -> dict:
         "n_particles": len(result.particles),
         "n_steps": len(steps),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
-        "reaction_N_per_m": reaction_tables(result),
+        f"reaction_{result.seal.units.force_key}": reaction_tables(result),
         **dict.fromkeys(END_KEYS),
         "max_penetration_mm": None,
         "min_det_F": lowest_jacobian(result.path),
@@ -135,7 +135,7 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
     if not len(history.stage):
         return {}
     return {
-        "force_N_per_m": history.force[-1],
+        f"force_{result.seal.units.force_key}": history.force[-1],
         "force_N_per_100mm": 0.1 * history.force[-1],
         "true_peak_pressure_kPa": history.peak[-1],
         "deformed_contact_width_mm": history.width[-1],
@@ -171,7 +171,7 @@ def measured(result: SealResult) -> dict:
         one = value.size == 1
         found[measure.name] = {
             "value": value[0] if one else value,
-            "unit": measure.units,
+            "unit": seal.units.of(measure.units),
             "gradient_norm": (norms[0] if one else norms) if seal.n_offsets else None,
             # scalar parameters follow the offsets in a row
             "derivatives": {
@@ -241,9 +241,10 @@ def report(result: SealResult, summary: dict) -> None:
     # one line for each profile
     for label, end in summary["profiles"].items():
         if end:
-            across, up = end["force_N_per_m"]
+            units = result.seal.units
+            across, up = end[f"force_{units.force_key}"]
             print(
-                f"{label}: force {across:.2f}, {up:.2f} N/m (x, y), "
+                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), "
                 f"{end['deformed_contact_width_mm']:.2f} mm in contact (nominal "
                 f"{end['nominal_contact_width_mm']:.2f}), up to {end['true_peak_pressure_kPa']:.1f} kPa "
                 f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "

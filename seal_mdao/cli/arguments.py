@@ -335,7 +335,7 @@ def critical_table(result) -> list[dict]:
     return [
         {
             "travel_mm": point.travel, "kind": point.kind, "moved_mm": point.moved,
-            "released_mJ_per_m": point.released,
+            f"released_{result.seal.units.energy_key}": point.released,
         }
         for point in result.critical_points
     ]  # fmt: skip

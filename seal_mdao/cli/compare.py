@@ -41,7 +41,8 @@ def main(arguments) -> int:
         name: [own.label for own in contacts(result.seal) if moves(own.motion)]
         for name, result in results.items()
     }
-    print_table(summary, moving)
+    units = {name: result.seal.units for name, result in results.items()}
+    print_table(summary, moving, units)
     print(f"comparison.png, curves of every seal and summary.json in {arguments.out}")
     return 0 if all(result.trustworthy for result in results.values()) else 1
 
@@ -58,16 +59,20 @@ def names_of(paths) -> list[str]:
     return names
 
 
-def print_table(summary: dict, moving: dict) -> None:
+def print_table(summary: dict, moving: dict, units: dict) -> None:
     """Print the numbers of all seals, a line each.
 
-    ``moving`` has the labels of the profiles that move, by the name of the seal.
+    ``moving`` has the labels of the profiles that move, and ``units`` the ``ResultUnits``, by the name
+    of the seal.
     """
     width = max(map(len, summary))
     for name, own in summary.items():
         # force on every profile that moves
+        key = f"force_{units[name].force_key}"
         parts = [
-            "force on {} {:.2f}, {:.2f} N/m".format(label, *own["profiles"][label]["force_N_per_m"])
+            "force on {} {:.2f}, {:.2f} {}".format(
+                label, *own["profiles"][label][key], units[name].force
+            )
             for label in moving[name]
             if own["profiles"][label]
         ]

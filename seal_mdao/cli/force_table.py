@@ -39,7 +39,8 @@ def force_lines(result) -> list[str]:
             along = "turn (deg)" if segment.turns else "travel (mm)"
             stages = ", ".join(map(str, segment.stages))
             found.append(
-                f"{history.label}, stage {stages}: {along}, horizontal and vertical force (N/m)"
+                f"{history.label}, stage {stages}: {along}, horizontal and vertical force "
+                f"({result.seal.units.force})"
             )
             # evenly distributed load steps up to the last one
             first, last = segment.steps.start, segment.steps.stop - 1

@@ -41,7 +41,8 @@ def _name_condition(history: RecordedOptimization, figure) -> None:
 def gap_words(*results) -> list[str]:
     """Format sum of squared gaps and vertical reaction of each design as captions."""
     return [
-        f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², {r.reaction[-1, 1]:.1f} N/m"
+        f"$\\Sigma g_n^2$ = {scientific(r.gap_square_sum)} mm², "
+        f"{r.reaction[-1, 1]:.1f} {r.seal.units.force}"
         for r in results
     ]
 

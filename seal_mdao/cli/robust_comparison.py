@@ -100,4 +100,6 @@ def _figure(designs: list[SampledDesign], subject: Subject):
             break
     # distribution of the objective
     costs = {design.label: design.costs for design in designs}
-    return plotting.designs_compared(costs, label(cost.name), cost.units or "", limited, band, text)
+    return plotting.designs_compared(
+        costs, label(cost.name), subject.seal.units.of(cost.units) or "", limited, band, text
+    )

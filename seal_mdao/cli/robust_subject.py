@@ -59,7 +59,7 @@ class Subject:
 
     def described(self, name: str) -> str:
         """Describe a measure with its unit."""
-        unit = shown_unit(self.measure(name).units)
+        unit = shown_unit(self.seal.units.of(self.measure(name).units))
         return f"{label(name)} ({unit})" if unit else label(name)
 
     def nominal_task(self, run: RunOptions) -> Task:
@@ -120,7 +120,8 @@ def _of_file(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     # fraction of samples that satisfies each limit
     limits = tuple(
         SampledLimit(
-            f"share_{own.measure}_{number}", _in_words(own, subject.measure(own.measure).units),
+            f"share_{own.measure}_{number}",
+            _in_words(own, seal.units.of(subject.measure(own.measure).units)),
             own.measure, own.satisfied, required=goal.share, band=_band(own),
         )
         for number, own in enumerate(task.sampled, 1)

@@ -100,10 +100,11 @@ def row(value: float, result, measures) -> dict:
     """Collect the results at the end of the path of one analysis; None for a failed one."""
     numbers = {"value": value, "converged": result.converged}
     for contact in contacts(result.seal):
-        # force on the profile at the end of the path, N/m
+        # force on the profile at the end of the path, N/m or N
         force = result.path.reaction(contact.label)[-1] if result.converged else (None, None)
+        key = result.seal.units.force_key
         numbers |= {
-            f"{contact.label}_F{axis}_N_per_m": f for axis, f in zip("xy", force, strict=True)
+            f"{contact.label}_F{axis}_{key}": f for axis, f in zip("xy", force, strict=True)
         }
     for measure in measures:
         numbers[measure.name] = float(result.value(measure)[0]) if result.converged else None

@@ -64,7 +64,10 @@ class RkpmContactComp(RandomDirectionsComp):
         add_parameters(self, seal, self._parameters)
         for measure in self._measures:
             self.add_output(
-                measure.name, shape=measure.size(seal), units=measure.units, desc=measure.text
+                measure.name,
+                shape=measure.size(seal),
+                units=seal.units.of(measure.units),
+                desc=measure.text,
             )
 
     def setup_partials(self):

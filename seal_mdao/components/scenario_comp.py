@@ -88,7 +88,7 @@ class ScenarioComp(RandomDirectionsComp):
         for measure in measures:
             self.add_output(
                 f"{measure.name}_scenarios", shape=(len(scenarios), measure.size(seal)),
-                units=measure.units, desc=measure.text,
+                units=seal.units.of(measure.units), desc=measure.text,
             )  # fmt: skip
 
     def setup_partials(self):

@@ -68,7 +68,7 @@ class ScenarioGroup(DesignGroup):
         self.add_subsystem("scenarios", ScenarioComp(**shared), promotes=["*"])
         aggregate = AggregateComp(
             shapes={m.name: (len(scenarios), m.size(seal)) for m in measures},
-            units={m.name: m.units for m in measures},
+            units={m.name: seal.units.of(m.units) for m in measures},
             quantiles=tuple(self.options["quantiles"]),
         )
         self.add_subsystem("aggregates", aggregate, promotes=["*"])

@@ -30,18 +30,31 @@ EDGE_HEADER = (
 """``pressure_kPa`` is the nominal pressure, force over undeformed length."""
 
 SWEEP_HEADER = ("profile", "step", "stage", "travel_mm", "Fx_N_per_m", "Fy_N_per_m")
+
 STATE_NAMES = {OPEN: "open", SLIP: "slip"}
+
+
+def in_units(header, units) -> list[str]:
+    """Name the columns of forces of a header by the units of the seal."""
+    return [
+        name.replace("N_per_m", units.force_key) if name.endswith("N_per_m") else name
+        for name in header
+    ]
 
 
 def write_curves(result, folder) -> list[Path]:
     """Write ``curve_NAME.csv`` for every profile and moved edges: a row for each nominal step."""
-    written, cavities = [], cavity_pressures(result)
-    header = (*CURVE_HEADER, *(f"{label}_excess_pressure_kPa" for label in cavities))
+    written, cavities, units = [], cavity_pressures(result), result.seal.units
+    header = (
+        *in_units(CURVE_HEADER, units),
+        *(f"{label}_excess_pressure_kPa" for label in cavities),
+    )
     for history in moving_histories(result):
-        # columns in the order of CURVE_HEADER; 0.1 m of seal: N/m to N per 100 mm
+        # columns in the order of CURVE_HEADER
         columns = (
             np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
-            *history.place.T, *history.force.T, *(0.1 * history.force.T), history.width, history.peak,
+            *history.place.T, *history.force.T, *(units.per_100_mm * history.force.T),
+            history.width, history.peak,
             history.nominal_width, history.nominal_peak, *cavities.values(),
         )  # fmt: skip
         path = Path(folder) / f"curve_{history.label}.csv"
@@ -110,18 +123,19 @@ def write_sweep_curves(name: str, results, path) -> Path:
             np.column_stack([own.stage, own.travel, own.force]).tolist(), 1
         )
     ]
-    return _write(Path(path), (name, *SWEEP_HEADER), rows)
+    units = next(iter(results.values())).seal.units
+    return _write(Path(path), (name, *in_units(SWEEP_HEADER, units)), rows)
 
 
 def travel_table(result) -> np.ndarray:
-    """Tabulate travel of the leading profile (mm) and both components of the force on it (N/m) of
+    """Tabulate travel of the leading profile (mm) and both components of the force on it (N/m or N) of
     every step, shape (n_steps, 3)."""
     # travel without noise of rounding
     return np.column_stack([np.round(result.travel, 12), result.reaction])
 
 
 def reaction_tables(result) -> dict[str, list]:
-    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m) of every step for every profile
+    """Tabulate stage (from 1), travel in it (mm), Fx, Fy (N/m or N) of every step for every profile
     and moved edges."""
     return {
         own.label: [

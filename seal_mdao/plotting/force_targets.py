@@ -41,7 +41,9 @@ def force_targets(results: Mapping[str, SealResult], targets: Sequence[ForceTarg
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set_xlim(left=0.0)
         axes.set_xlabel("travel (mm)")
-        axes.set_ylabel(f"force on {own.reaction.profile} ({own.reaction.units})")
+        axes.set_ylabel(
+            f"force on {own.reaction.profile} ({result.seal.units.of(own.reaction.units)})"
+        )
         axes.set_title(own.name.replace("_", " "), loc="left", fontsize=9.5)
         axes.legend(loc="best")
     return figure

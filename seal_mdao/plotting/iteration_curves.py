@@ -99,7 +99,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
 def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) -> None:
     """Write "too soft" or "too stiff" at the last design whose force is outside its limits."""
     outside = np.flatnonzero(own.violation() > FEASIBLE)
-    if not outside.size or unit_of(history, own.name) != "N/m":
+    if not outside.size or unit_of(history, own.name) not in ("N/m", "N"):
         return
     at = outside[-1]
     # forces may count as negative: stiff is what has the larger one

@@ -214,13 +214,15 @@ def _draw_mode(axes: Axes, result, point, before: int, after: int, loops) -> Non
     section.draw_surroundings(axes, result, result.path.nominal_steps[after].fraction)
     # the travel is NaN where the profiles have none in common
     where = f"travel {point.travel:.2f} mm" if point.travel == point.travel else ""
-    axes.set_title(f"{where}: {point.kind}, {_energy(point.released)}", fontsize=9.0)
+    axes.set_title(
+        f"{where}: {point.kind}, {_energy(point.released, result.seal.units.energy)}", fontsize=9.0
+    )
 
 
-def _energy(released: float) -> str:
+def _energy(released: float, unit: str) -> str:
     if np.isnan(released):
         return "energy unknown"
-    return f"{released:.2g} mJ/m" if abs(released) >= 1e-3 else "< 0.001 mJ/m"
+    return f"{released:.2g} {unit}" if abs(released) >= 1e-3 else f"< 0.001 {unit}"
 
 
 # ---- two designs ----

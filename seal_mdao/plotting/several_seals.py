@@ -52,7 +52,8 @@ def draw_forces(axes, results) -> None:
         if not result.converged:
             axes.plot(travel[-1], force[-1], "x", color=CYCLE[number % len(CYCLE)])
     axes.set_xlabel("travel of the profile (mm)")
-    axes.set_ylabel("force (N/m)")
+    units = dict.fromkeys(result.seal.units.force for result in results.values())
+    axes.set_ylabel(f"force ({' or '.join(units)})")
     axes.set_ylim(bottom=0.0)
 
 

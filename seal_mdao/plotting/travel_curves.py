@@ -39,7 +39,7 @@ def load_deflection(result: SealResult) -> Figure:
         For a result without profiles or without any converged step.
     """
     histories, cavities = moving_histories(result), cavity_pressures(result)
-    rows = [(own, f"force on {own.label} (N/m)") for own in histories]
+    rows = [(own, f"force on {own.label} ({result.seal.units.force})") for own in histories]
     # the air is drawn over the travel of the first profile
     rows += [(own, "pressure of the air (kPa)") for own in histories[:1] if cavities]
     figure, panels = _segment_panels(rows, result)

@@ -155,7 +155,8 @@ def settings_table(history: RecordedOptimization) -> str:
     rows += [
         [f"problem: {name}", str(value)] for name, value in history.settings.items() if name != FILE
     ]
-    return table(["setting", "value"], rows, "Model and problem (mm, kPa, N/m)")
+    force = " or ".join(dict.fromkeys(own.seal.units.force for own in known)) or "N/m"
+    return table(["setting", "value"], rows, f"Model and problem (mm, kPa, {force})")
 
 
 def _flat(settings, prefix: str = ""):
@@ -217,7 +218,7 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
     for m in result.measures():
         if not is_empty(m, result.seal) and m.size(result.seal) == 1:
             value = float(result.value(m)[0]) if result.converged else math.nan
-            found[label(m.name)] = shown_unit(m.units), value
+            found[label(m.name)] = shown_unit(result.seal.units.of(m.units)), value
             # where it is taken, if at one point
             place = m.place(result)
             if place is not None:
@@ -265,8 +266,8 @@ def _at_profile(result: SealResult, contact, history) -> dict:
         "highest contact pressure, true (force over deformed length)": ("kPa", float(true.max())),
         "highest contact pressure, nominal (over undeformed length)": ("kPa", float(nominal.max())),
         "deepest penetration": ("mm", max(0.0, -float(last.gap.min()))),
-        "vertical force on the profile": ("N/m", float(history.force[-1, 1])),
-        "horizontal force on the profile": ("N/m", float(history.force[-1, 0])),
+        "vertical force on the profile": (result.seal.units.force, float(history.force[-1, 1])),
+        "horizontal force on the profile": (result.seal.units.force, float(history.force[-1, 0])),
     }
 
 

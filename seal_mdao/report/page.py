@@ -273,7 +273,8 @@ def key_figures(
             gaps.append((f"largest gap{of}", f"{short(new, 2)} mm", before))
             old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
             change = f"{tables.percent(new / old)} of its start" if old else ""
-            forces.append((f"vertical force{of}", f"{short(new, 3)} N/m", change))
+            unit = seal.ends[1].seal.units.force
+            forces.append((f"vertical force{of}", f"{short(new, 3)} {unit}", change))
     kind, done = "iterations" if history.major else "evaluations", history.evaluations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])

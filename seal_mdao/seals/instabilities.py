@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao.seals.result_units import PLANE
 from seal_mdao.terms.point_assembly import interpolate
 
 
@@ -26,9 +27,11 @@ class Instability:
         How far a particle moved from there to the equilibrium at which the path continues, mm; 0 where
         the path stays on the branch.
     released : float
-        Energy released on the way, mJ/m; NaN where nothing is known of it.
+        Energy released on the way; NaN where nothing is known of it.
     lower_bound : bool
         Whether that is a lower bound of it, as with friction.
+    unit : str
+        Of the energy.
     """
 
     fraction: float
@@ -38,6 +41,7 @@ class Instability:
     moved: float
     released: float
     lower_bound: bool
+    unit: str = PLANE.energy
 
     @property
     def text(self) -> str:
@@ -54,7 +58,9 @@ class Instability:
             return f"equilibrium is not stable from {place} on, and the path stays on that branch"
         least = "at least " if self.lower_bound else ""
         lost = (
-            f" and releases {least}{self.released:.2g} mJ/m" if np.isfinite(self.released) else ""
+            f" and releases {least}{self.released:.2g} {self.unit}"
+            if np.isfinite(self.released)
+            else ""
         )
         why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
         return f"{why} at {place}: the seal moves {self.moved:.2g} mm to the next stable one{lost}"
@@ -70,5 +76,5 @@ def _instability(result, point) -> Instability:
     interpolate(result.path.discretization.everywhere.table, point.mode, mode)
     return Instability(
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
-        point.moved, point.released, not result.path.problem.symmetric,
+        point.moved, point.released, not result.path.problem.symmetric, result.seal.units.energy,
     )  # fmt: skip

@@ -16,6 +16,7 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.measures.section_shape import cells_area
+from seal_mdao.seals.result_units import ResultUnits, result_units
 from seal_mdao.terms.term import Scalar
 
 SETTINGS_OPTION = "seal_settings"
@@ -151,6 +152,11 @@ class Seal:
         elastic, *rest = self.definitions
         rest = (completed(own, elastic, self.body, self.nominal_particles) for own in rest)
         object.__setattr__(self, "definitions", (elastic, *rest))
+
+    @cached_property
+    def units(self) -> ResultUnits:
+        """Units of forces and energies: per metre, or of the complete ring."""
+        return result_units(self.body)
 
     # ---- scalar parameters ----
 

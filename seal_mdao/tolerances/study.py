@@ -87,7 +87,11 @@ class ToleranceStudy:
     def units(self) -> tuple:
         """Units of ``outputs``."""
         pairs = zip(self.task.measures, self.task.sizes, strict=True)
-        return tuple(unit for measure, size in pairs for unit in [measure.units] * size)
+        return tuple(
+            unit
+            for measure, size in pairs
+            for unit in [self.task.seal.units.of(measure.units)] * size
+        )
 
     def settings(self, method: str, seed: int, count: int) -> dict:
         """Return the settings that identify a file of samples."""

@@ -33,6 +33,7 @@ from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
 
+MODEL = ModelTable()
 MOVING = ("profile", "moved")
 """Tables of what moves; a file has one of them."""
 
@@ -43,7 +44,7 @@ class Written(BaseModel):
     # keys are the names of tables; what is unknown is refused by ``read_seal_file`` before
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    model: ModelTable = key("what the section stands for", ModelTable())
+    model: ModelTable = key("what the section stands for", MODEL)
     material: Materials = key("rubbers by their names")
     section: WrittenSection = key("the section")
     profile: rows(ProfileTable) = key("rigid bodies that move against it", ())
@@ -96,7 +97,7 @@ class SealFile:
     terms: tuple[TermTable, ...] = ()
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
-    model: ModelTable = ModelTable()
+    model: ModelTable = MODEL
 
     @property
     def axisymmetric(self) -> bool:

@@ -1,0 +1,50 @@
+"""Units of forces and energies: per metre of a long seal in plane strain, of the complete ring else."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+PER_METRE = {"N/m": "N", "mJ/m": "mJ"}
+"""Units of results per metre of depth, and of the same results of a ring."""
+
+
+class ResultUnits(NamedTuple):
+    """Units of what a seal's results sum over its depth.
+
+    Attributes
+    ----------
+    force, energy : str
+        Units in the notation of OpenMDAO.
+    per_100_mm : float
+        Factor from a force to N per 100 mm of the seal, of a ring along its mean circumference.
+    """
+
+    force: str
+    energy: str
+    per_100_mm: float
+
+    def of(self, units: str | None) -> str | None:
+        """Return the units of a measure, which knows those of plane strain."""
+        return PER_METRE.get(units, units) if self.force == "N" else units
+
+    @property
+    def force_key(self) -> str:
+        """End of the names of forces in files: ``N_per_m`` or ``N``."""
+        return self.force.replace("/", "_per_")
+
+    @property
+    def energy_key(self) -> str:
+        """End of the names of energies in files: ``mJ_per_m`` or ``mJ``."""
+        return self.energy.replace("/", "_per_")
+
+
+PLANE = ResultUnits("N/m", "mJ/m", 0.1)
+
+
+def result_units(body) -> ResultUnits:
+    """Return the units of the results of a ``Body``."""
+    if not body.axisymmetric:
+        return PLANE
+    # mean circumference 2 pi R of the boundary and inner particles, mm
+    circumference = 2.0 * np.pi * float(body.nominal[:, 0].mean())
+    return ResultUnits("N", "mJ", 100.0 / circumference)
