@@ -64,7 +64,7 @@ def save_animation(
     steps = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
     fine = fine_grid(result)
     scales = section.stress_scales([fine], steps)
-    low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
+    low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)], seal=result.seal)
     width, height = section.panel_size(low, high)
     figure, (left, right) = subplots(1, 2, width=1.1 * width + 6.0, height=max(1.1 * height, 3.6))
     draw_forces(right, {"": result})
@@ -75,7 +75,7 @@ def save_animation(
     def draw(step: int):
         left.clear()
         section.draw_stress(left, fine, step, scales)
-        section.frame(left, low, high)
+        section.frame(left, low, high, result.seal)
         left.set_title(result.caption(step))
         # point of the curve after this step; its first one is the start of the path
         marker.set_data(

@@ -33,6 +33,8 @@ DEPTH, FIXED_DEPTH = 0.16, 0.04
 SMOOTH = 0.004
 """Distance of points along curved profiles, over the size of the section."""
 HATCHED = {"edgecolor": GREY, "linewidth": 0.0, "zorder": 1}
+NARROW = 0.6
+"""Inner radius of a ring over the size of its section, below which pictures show the axis."""
 PANEL_AREA = 16.0
 """Area of the panel of one shape, square inches; its aspect ratio is that of the section."""
 
@@ -213,6 +215,8 @@ def draw_fixed(axes: Axes, result: SealResult, fraction: float = 0.0) -> None:
 def draw_surroundings(axes: Axes, result: SealResult, fraction: float) -> None:
     """Plot the fixed boundary, and all rigid profiles after ``fraction`` nominal steps, hatched."""
     draw_fixed(axes, result, fraction)
+    if result.seal.body.axisymmetric:
+        axes.axvline(0.0, color="black", linewidth=0.8, linestyle="-.", zorder=1)
     for contact in contacts(result.seal):
         body = profile_body(result, contact, fraction)
         _fill(axes, outlines(body), facecolor=LIGHT_GREY, hatch="////", **HATCHED)
@@ -279,19 +283,24 @@ def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
         )  # fmt: skip
 
 
-def frame(axes: Axes, low, high) -> None:
-    """Set equal aspect, window and axis labels."""
+def frame(axes: Axes, low, high, seal=None) -> None:
+    """Set equal aspect, window and axis labels; x is the radius of a ``seal`` that is a ring."""
     axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    ring = seal is not None and seal.body.axisymmetric
+    across = "radius" if ring else "x"
+    axes.set(xlabel=f"{across} (mm)", ylabel="y (mm)")
     axes.grid(False)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
 
 
-def window(shapes, margin: float = 0.08) -> tuple[np.ndarray, np.ndarray]:
+def window(shapes, margin: float = 0.08, seal=None) -> tuple[np.ndarray, np.ndarray]:
     """Compute lower left and upper right corner around all ``shapes`` (n, 2), with a margin as a
-    fraction of the larger side."""
+    fraction of the larger side; of a ``seal`` that is a narrow ring, down to its axis."""
     points = np.vstack([np.reshape(shape, (-1, 2)) for shape in shapes])
+    size = np.ptp(points, axis=0).max()
+    if seal is not None and seal.body.axisymmetric and points[:, 0].min() < NARROW * size:
+        points = np.vstack([points, [0.0, points[0, 1]]])
     border = margin * np.ptp(points, axis=0).max()
     return points.min(axis=0) - border, points.max(axis=0) + border
 

@@ -76,7 +76,7 @@ def section_cloud(result: SealResult) -> Figure:
     section.draw_surroundings(axes, result, 0.0)
     _name_profiles(axes, result, low, high)
     _name_materials(axes, result)
-    section.frame(axes, low, high)
+    section.frame(axes, low, high, seal)
     axes.set_title(f"{len(particles)} particles, {len(seal.body.cells)} cells", loc="left")
     axes.legend(**BESIDE, title="edges", alignment="left")
     return figure
@@ -110,11 +110,11 @@ def _name_materials(axes, result) -> None:
 
 def _cloud_window(result):
     """Compute the window around the section and nearby parts of the profiles."""
-    low, high = section.window([result.particles], 0.2)
+    low, high = section.window([result.particles], 0.2, result.seal)
     faces = [section.profile_face(result, contact, 0.0) for contact in contacts(result.seal)]
     # profiles extend far beyond the section: only their points within 20 % of its size count
     near = [face[((face >= low) & (face <= high)).all(axis=1)] for face in faces]
-    return section.window([result.particles, *near], 0.1)
+    return section.window([result.particles, *near], 0.1, result.seal)
 
 
 # ---- along the path ----
@@ -142,7 +142,8 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     # shape functions on the fine grid are evaluated once for all steps (Lagrangian)
     fine = fine_grid(result)
     scales = section.stress_scales([fine], steps)
-    low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)])
+    shapes = [fine.undeformed(), *map(fine.deformed, steps)]
+    low, high = section.window(shapes, seal=result.seal)
     width, height = section.panel_size(low, high)
     figure, panel = panels(
         len(steps), 2 if width > 3.0 else 3, sharex=True, sharey=True,
@@ -151,7 +152,7 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     every = list(figure.axes)
     for axes, step in zip(panel, steps, strict=True):
         contours = section.draw_stress(axes, fine, step, scales)
-        section.frame(axes, low, high)
+        section.frame(axes, low, high, result.seal)
         axes.set_title(result.caption(step))
         axes.label_outer()
     mark_failure(figure, result)
@@ -182,7 +183,8 @@ def critical_modes(result: SealResult) -> Figure:
     # nominal step k, from 0, ends at the path parameter k + 1
     before = [min(max(int(point.fraction) - 1, 0), last) for point in points]
     steps = [(k, min(k + 1, last)) for k in before]
-    low, high = section.window([result.deformed(step) for pair in steps for step in pair])
+    shapes = [result.deformed(step) for pair in steps for step in pair]
+    low, high = section.window(shapes, seal=result.seal)
     width, height = section.panel_size(low, high)
     figure, panel = panels(
         len(points), 3, sharex=True, sharey=True,
@@ -193,7 +195,7 @@ def critical_modes(result: SealResult) -> Figure:
     loops = cell_loops(result.seal.body)
     for axes, point, pair in zip(panel, points, steps, strict=True):
         _draw_mode(axes, result, point, *pair, loops)
-        section.frame(axes, low, high)
+        section.frame(axes, low, high, result.seal)
         axes.label_outer()
     figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
@@ -242,17 +244,18 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
     fines = fine_grid(initial), fine_grid(optimised)
     # the same scales and one window for both designs, so that colours and sizes compare
     scales = section.stress_scales(fines)
-    low, high = section.window([x for fine in fines for x in (fine.deformed(), fine.undeformed())])
+    shapes = [x for fine in fines for x in (fine.deformed(), fine.undeformed())]
+    low, high = section.window(shapes, seal=initial.seal)
     width, height = section.panel_size(low, high)
     figure, panel = subplots(1, 3, width=3 * width + 1.6, height=height + 1.2, sharey=True)
     # left panel: both undeformed shapes; right panels: deformed shapes with stress
     _draw_undeformed(panel[0], *fines)
-    section.frame(panel[0], low, high)
+    section.frame(panel[0], low, high, initial.seal)
     panel[0].set_title("undeformed")
     names = ("initial", "optimised")
     for axes, fine, name, text in zip(panel[1:], fines, names, numbers, strict=True):
         contours = section.draw_stress(axes, fine, -1, scales)
-        section.frame(axes, low, high)
+        section.frame(axes, low, high, initial.seal)
         axes.set(title=f"{name}: {text}" if text else name, ylabel="")
     # one legend for all panels: shapes of the first, contact points of the second
     shapes, points = (axes.get_legend_handles_labels() for axes in panel[:2])

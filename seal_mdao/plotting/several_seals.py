@@ -102,7 +102,7 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     shown = dict(list(results.items())[:MOST_SECTIONS])
     fine = {name: fine_grid(result) for name, result in shown.items()}
     scale = section.stress_scale(own.von_mises(-1) for own in fine.values())
-    windows = [section.window([own.deformed(-1)], 0.15) for own in fine.values()]
+    windows = [section.window([own.deformed(-1)], 0.15, own.result.seal) for own in fine.values()]
     # one scale of length for all sections
     low = np.min([w[0] for w in windows], axis=0)
     high = np.max([w[1] for w in windows], axis=0)
@@ -121,7 +121,7 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
         axes = figure.add_subplot(grid[1, 2 * number : 2 * number + 2])
         last = len(result.path.nominal_steps) - 1
         (contours,) = section.draw_stress(axes, fine[name], last, [scale])
-        section.frame(axes, low, high)
+        section.frame(axes, low, high, result.seal)
         axes.set_title(name, color=CYCLE[number % len(CYCLE)])
         panels.append(axes)
     figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label(section.STRESS)

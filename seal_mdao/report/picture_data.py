@@ -68,7 +68,7 @@ class Pictures:
         shapes = [own.deformed(step) for own, step in frames]
         shapes += [own.deformed() for own in self._between]
         shapes += [own.undeformed() for own in self._ends]
-        self._low, self._high = section.window(shapes, MARGIN)
+        self._low, self._high = section.window(shapes, MARGIN, start.seal)
         # one integer scale of lengths, one of stress for each material up to the end of its colour scale
         self._length = max(np.abs(shape).max() for shape in shapes) / FULL
         self._tops = _tops(frames)
