@@ -157,7 +157,7 @@ class ContactTerm(PointTerm):
         self._linearized = ()
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
-        self.rounding = self.law.normal_penalty * size
+        self.rounding = self.law.normal_penalty * size * discretization.depth
         # deformed coordinates, and those of the profile without its pose
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 

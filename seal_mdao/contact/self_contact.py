@@ -179,7 +179,8 @@ class SelfContactTerm(CoupledTerm):
         self.ring = rings([len(loop) for loop in definition.loops])
         # a point opposite must be this near to be followed before it touches
         self.near = 4.0 * self.length.max()
-        self.rounding = definition.law.normal_penalty * float(np.abs(self.reference).max())
+        size = float(np.abs(self.reference).max()) * discretization.depth
+        self.rounding = definition.law.normal_penalty * size
         self._direction, self._linearized = np.zeros(len(self.where), int), None
 
     @property

@@ -249,6 +249,11 @@ class Discretization:
     def particles(self) -> np.ndarray:
         return self.cloud.particles
 
+    @property
+    def depth(self) -> float:
+        """Largest circumference of a quadrature point, m; 1 in plane strain."""
+        return float(self.cells.circumferences.max())
+
     @one_blas_thread
     def table_at(self, which: np.ndarray) -> PointTable:
         """Evaluate shape functions at the particles ``which``, or at ``Body.samples`` beyond them.

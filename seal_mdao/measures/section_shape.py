@@ -73,6 +73,46 @@ class SectionArea(Measure):
         return value
 
 
+@dataclass(frozen=True)
+class Volume(Measure):
+    """Volume of the undeformed body of revolution, summed over its cells."""
+
+    name: str = "volume"
+    units = "mm**3"
+    text = "Volume of the undeformed body of revolution."
+
+    def check(self, seal):
+        if not seal.body.axisymmetric:
+            raise ValueError(
+                'the volume is that of a ring, kinematics = "axisymmetric" of [model]; of a long seal '
+                "take section_area"
+            )
+
+    def evaluate(self, result, partials):
+        value, by_particles = cells_volume(result.seal.body.cells, result.particles)
+        partials.particles[0] += by_particles
+        return value
+
+
+def cells_volume(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
+    """Compute the volume of cells (m, 4) turned about x = 0, and its gradient (n, 2), as
+    ``cells_area``."""
+    value, gradient = 0.0, np.zeros_like(particles)
+    for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
+        a, b, c = (particles[corners[:, i]] for i in range(3))
+        u, v = b - a, c - a
+        # V = 2 pi R A of each triangle, R = (x_a + x_b + x_c) / 3 (Pappus)
+        area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+        around = 2.0 * np.pi * (a[:, 0] + b[:, 0] + c[:, 0]) / 3.0
+        value += (around * area).sum().item()
+        by_b = 0.5 * around[:, None] * np.column_stack([v[:, 1], -v[:, 0]])
+        by_c = 0.5 * around[:, None] * np.column_stack([-u[:, 1], u[:, 0]])
+        on_radius = np.column_stack([2.0 * np.pi / 3.0 * area, np.zeros(len(area))])
+        for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):
+            np.add.at(gradient, corners[:, corner], pull + on_radius)
+    return value, gradient
+
+
 def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
     """Compute the area of cells (m, 4), triangles repeating a corner, and its gradient (n, 2).
 

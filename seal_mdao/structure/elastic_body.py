@@ -136,7 +136,7 @@ class StructuralTerm(Term):
         self.functions, self._before = discretization.body.pressure.functions, None
         self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
         self.deformation = no_deformation(1, self.cells, len(self.functions))
-        size = discretization.body.support_radius.max() * self.cells.circumferences.max()
+        size = discretization.body.support_radius.max() * discretization.depth
         self.rounding = float(self.bulk.max() * size)
 
     def _per_column(self, values, dtype=float) -> np.ndarray:

@@ -22,10 +22,11 @@ class AnyConstants(MooneyRivlin):
         pass
 
 
-def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2):
+def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2, inner=None):
     """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed.
 
-    The pressure is continuous upwards through ``column`` cells.
+    The pressure is continuous upwards through ``column`` cells. With an ``inner`` radius the square is
+    turned about the axis.
     """
     grid = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
     rim = np.any((grid == 0) | (grid == n - 1), axis=1)
@@ -33,6 +34,7 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2):
         n - 1
     )
     i, j = (a.ravel() for a in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
+    particles[:, 0] += inner or 0.0
     # the first direction is upwards
     cells = np.column_stack([(i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1, i * n + j])
     prescribed = np.zeros((n * n, 2), bool)
@@ -46,6 +48,7 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2):
         solver=solver,
         column=column,
         n_gauss=n_gauss,
+        axisymmetric=inner is not None,
     )
     return discretize(body, particles)
 

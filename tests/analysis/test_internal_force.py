@@ -12,24 +12,34 @@ from seal_mdao.structure.deformation import deform
 UNITS = {"c10": (1.0, 0.0, 0.0), "c01": (0.0, 1.0, 0.0), "bulk": (0.0, 0.0, 1.0)}
 
 
-@pytest.fixture(
-    params=[
-        (1, "banded", 1, 2),
-        (1, "superlu", 1, 2),
-        (2, "banded", 1, 2),
-        (1, "superlu", 5, 2),
-        (2, "banded", 5, 2),
-        (1, "banded", 5, 1),
-        (1, "banded", 1, 3),
-    ],
-    ids=str,
-)
+# basis order, solver, cells of a column, Gauss points, and inner radius
+BODIES = [
+    (1, "banded", 1, 2),
+    (1, "superlu", 1, 2),
+    (2, "banded", 1, 2),
+    (1, "superlu", 5, 2),
+    (2, "banded", 5, 2),
+    (1, "banded", 5, 1),
+    (1, "banded", 1, 3),
+]
+RINGS = [(1, "banded", 1, 2, 0.4), (2, "superlu", 1, 2, 0.4), (1, "banded", 5, 2, 0.4)]
+
+
+@pytest.fixture(params=BODIES, ids=str)
 def body(request, rng):
     """A free square in a deformed state; basis order, solver, pressure and Gauss points vary."""
     order, solver, column, n_gauss = request.param
     disc = square(rng, order=order, solver=solver, fixed="nothing", column=column, n_gauss=n_gauss)
     d = wave(disc, 0.15) + rng.uniform(-0.01, 0.01, disc.particles.shape)
     return disc, d
+
+
+@pytest.fixture(params=[*BODIES, *RINGS], ids=str)
+def any_body(request, rng):
+    """As ``body``, and such a square that is turned about an axis."""
+    order, solver, column, n_gauss, *inner = request.param
+    disc = square(rng, 6, order, solver, "nothing", column, n_gauss, *inner)
+    return disc, wave(disc, 0.1) + rng.uniform(-0.01, 0.01, disc.particles.shape)
 
 
 def slope(function, step):
@@ -39,9 +49,9 @@ def slope(function, step):
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_force_is_the_derivative_of_the_energy(body, rng, unit):
+def test_force_is_the_derivative_of_the_energy(any_body, rng, unit):
     """For each material constant alone; the five-point formula converges with its fourth power."""
-    disc, d = body
+    disc, d = any_body
     direction = rng.standard_normal(d.shape)
     force, _ = internal(disc, d, UNITS[unit], tangent=False)
     exact = force @ disc.layout.reduce(direction)
@@ -56,8 +66,8 @@ def test_force_is_the_derivative_of_the_energy(body, rng, unit):
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_tangent_is_the_derivative_of_the_force(body, rng, unit):
-    disc, d = body
+def test_tangent_is_the_derivative_of_the_force(any_body, rng, unit):
+    disc, d = any_body
     _, values = internal(disc, d, UNITS[unit])
     matrix = dense(disc.layout, values)
     for _ in range(3):
@@ -70,8 +80,8 @@ def test_tangent_is_the_derivative_of_the_force(body, rng, unit):
         np.testing.assert_allclose(slope(force, 1e-4), exact, atol=1e-9 * np.abs(exact).max())
 
 
-def test_tangent_is_symmetric(body):
-    disc, d = body
+def test_tangent_is_symmetric(any_body):
+    disc, d = any_body
     matrix = dense(disc.layout, internal(disc, d)[1])
     np.testing.assert_allclose(matrix, matrix.T, rtol=0.0, atol=1e-13 * np.abs(matrix).max())
 
@@ -83,8 +93,8 @@ def test_force_is_linear_in_the_material_constants(body):
     np.testing.assert_allclose(np.array(CONSTANTS) @ parts, whole, atol=1e-12 * np.abs(whole).max())
 
 
-def test_force_without_tangent_is_the_same(body):
-    disc, d = body
+def test_force_without_tangent_is_the_same(any_body):
+    disc, d = any_body
     np.testing.assert_array_equal(internal(disc, d)[0], internal(disc, d, tangent=False)[0])
 
 

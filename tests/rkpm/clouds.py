@@ -3,7 +3,7 @@
 import numpy as np
 
 from seal_mdao.rkpm.cells import circumscribed_radii
-from seal_mdao.rkpm.shape_functions import Cloud, PointSet
+from seal_mdao.rkpm.shape_functions import Cloud, PointSet, grad_rows
 
 
 def irregular_cloud(rng, n=7, order=1, size=1.0, origin=(0.0, 0.0)):
@@ -39,8 +39,9 @@ def rows(table, n_particles, values=None):
     """A flat table as dense rows, zero where it has no entries: phi (point, particle) and grad (point,
     component, particle)."""
     q = table.group_size
+    of_point = grad_rows(table) or 2
     phi = np.zeros((table.n_groups * q, n_particles))
-    grad = np.zeros((table.n_groups * q, 2, n_particles))
+    grad = np.zeros((table.n_groups * q, of_point, n_particles))
     source = (table.phi, table.grad) if values is None else values
     for g in range(table.n_groups):
         near = table.neighbours[table.start[g] : table.start[g + 1]]
@@ -49,15 +50,17 @@ def rows(table, n_particles, values=None):
         if source[0].size:
             phi[here, near] = source[0][low:high].reshape(q, near.size)
         if source[1].size:
-            grad[here, :, near] = source[1][2 * low : 2 * high].reshape(q, 2, near.size)
+            block = source[1][of_point * low : of_point * high]
+            grad[here, :, near] = block.reshape(q, of_point, near.size)
     return phi, grad
 
 
 def rate_rows(table, rates, n_particles, n_parameters):
     """Dense rates: phi (point, particle, parameter) and grad (point, component, particle, ...)."""
     q = table.group_size
+    of_point = grad_rows(table) or 2
     phi = np.zeros((table.n_groups * q, n_particles, n_parameters))
-    grad = np.zeros((table.n_groups * q, 2, n_particles, n_parameters))
+    grad = np.zeros((table.n_groups * q, of_point, n_particles, n_parameters))
     for g in range(table.n_groups):
         near = table.neighbours[table.start[g] : table.start[g + 1]]
         active = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
@@ -67,8 +70,9 @@ def rate_rows(table, rates, n_particles, n_parameters):
             if rates.phi.size:
                 block = rates.phi[low:high].reshape(q, *shape)[i]
                 phi[g * q + i][np.ix_(near, active)] = block
-            for c in range(2 if rates.grad.size else 0):
-                block = rates.grad[2 * low : 2 * high].reshape(q, 2, *shape)[i, c]
+            for c in range(of_point if rates.grad.size else 0):
+                block = rates.grad[of_point * low : of_point * high]
+                block = block.reshape(q, of_point, *shape)[i, c]
                 grad[g * q + i, c][np.ix_(near, active)] = block
     return phi, grad
 

@@ -1,5 +1,7 @@
 """Cell gradients that obey the divergence theorem: identities, rates and their transpose."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from clouds import rate_rows, rows
@@ -7,7 +9,6 @@ from clouds import rate_rows, rows
 import seal_mdao as sm
 from seal_mdao.dsa.shape_rates import discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.rkpm.cells import add_weight_seeds
 from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.integration import (
     EDGE_POINTS,
@@ -26,11 +27,27 @@ def at_edge_points(rule, phi):
     return phi.reshape(n_columns, n_distinct, -1)[column[:, None], rule.point_of]
 
 
-@pytest.fixture(params=[{"basis_order": 1}, {"basis_order": 2}, {"accuracy": "engineering"}])
+SEALS = [{"basis_order": 1}, {"basis_order": 2}, {"accuracy": "engineering"}]
+AWAY = np.array([20.0, 0.0])
+"""By which the seal that is turned about the axis is moved, mm."""
+
+
+@pytest.fixture(params=SEALS)
 def seal(request, rng):
     """A random design of the coarsest seal with either basis, and one whose columns have three cells."""
     model = sm.door_seal(**request.param)
     return model, discretize(model.body, model.particles(rng.uniform(-0.2, 0.2, 25)))
+
+
+@pytest.fixture(params=[*SEALS, {"axisymmetric": True}, {"axisymmetric": True, "basis_order": 2}])
+def any_seal(request, rng):
+    """As ``seal``, and such a seal turned about an axis."""
+    options = dict(request.param)
+    around = options.pop("axisymmetric", False)
+    model = sm.door_seal(**options)
+    particles = model.particles(rng.uniform(-0.2, 0.2, 25)) + around * AWAY
+    body = replace(model.body, axisymmetric=around)
+    return body, discretize(body, particles)
 
 
 def test_edge_normals_of_every_cell_close():
@@ -230,9 +247,68 @@ def test_cell_rates_are_the_limit_of_central_differences(seal, rng):
     assert np.all(np.array(errors[0]) > 5 * np.array(errors[1]))
 
 
-def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
+@pytest.mark.parametrize("order", [1, 2])
+def test_cell_rates_of_a_ring_are_those_of_its_rows(order, rng):
+    """The five-point formula; third derivatives of splines have corners: its order is above two."""
+    model = sm.door_seal(basis_order=order)
+    body = replace(model.body, axisymmetric=True)
+    particles = model.particles(rng.uniform(-0.1, 0.1, 25)) + AWAY
+    disc, n = discretize(body, particles), len(particles)
+    velocity = rng.standard_normal((1, n, 2))
+    rates = discretization_rates(disc, velocity).cells
+    rate = rate_rows(disc.cells.table, rates, n, 1)[1][..., 0]
+    errors = []
+    for step in (4e-4, 1e-4):
+        moved = [discretize(body, particles + s * step * velocity[0]) for s in (-2, -1, 1, 2)]
+        a, b, c, d = (rows(own.cells.table, n)[1] for own in moved)
+        quotient = (a - 8 * b + 8 * c - d) / (12 * step)
+        errors.append(np.abs(quotient - rate).max(axis=(0, 2)) / np.abs(rate).max(axis=(0, 2)))
+    assert errors[1].max() < 1e-6
+    assert np.all(errors[1] < 0.2 * errors[0])
+
+
+def test_weight_rates_are_those_of_the_weights(any_seal, rng):
+    """The weights are polynomials of the third degree in the particles."""
+    body, disc = any_seal
+    velocity = rng.standard_normal((1, len(disc.particles), 2))
+    rate = disc.cells.weight_rates(velocity)[0]
+    moved = [
+        discretize(body, disc.particles + s * 1e-3 * velocity[0]).cells.cell_weights
+        for s in (-2, -1, 1, 2)
+    ]
+    quotient = (moved[0] - 8 * moved[1] + 8 * moved[2] - moved[3]) / (12 * 1e-3)
+    np.testing.assert_allclose(rate, quotient, rtol=0.0, atol=1e-11 * np.abs(rate).max())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_cells_of_a_ring_obey_the_divergence_theorem_around_the_axis(order, rng):
+    """sum c w (grad_j + delta_j1 Phi / R) = sum c Phi n_j of every cell, and linear fields are exact."""
+    model = sm.door_seal(basis_order=order)
+    body = replace(model.body, axisymmetric=True)
+    particles = model.particles(rng.uniform(-0.2, 0.2, 25)) + AWAY
+    disc = discretize(body, particles)
+    cells, n = disc.cells, len(particles)
+    _, rows_of = rows(cells.raw, n)
+    weights = cells.cell_weights.ravel()
+    phi = at_edge_points(cells.rule, rows(cells.edges.raw, n)[0])
+    divergence = rows_of[:, :2].copy()
+    divergence[:, 0] += rows_of[:, 2]
+    shape = (*cells.weights.shape, 2, n)
+    inside = (weights[:, None, None] * divergence).reshape(shape).sum(axis=1)
+    flux = np.einsum("cen,cej->cjn", phi, cells.normals)
+    np.testing.assert_allclose(inside, flux, rtol=0.0, atol=1e-13 * np.abs(flux).max())
+    # u = (a R + b z, c R + d z): F and h = 1 + a + b z / R
+    _, found = rows(cells.table, n)
+    moved = found @ (particles @ np.array([[0.1, 0.3], [-0.2, 0.15]]))
+    radius, height = cells.gauss.coordinates.T
+    np.testing.assert_allclose(moved[:, :2, 0], np.tile([0.1, -0.2], (len(radius), 1)), atol=1e-12)
+    np.testing.assert_allclose(moved[:, :2, 1], np.tile([0.3, 0.15], (len(radius), 1)), atol=1e-12)
+    np.testing.assert_allclose(moved[:, 2, 0], 0.1 - 0.2 * height / radius, atol=1e-12)
+
+
+def test_cell_seeds_are_the_transpose_of_cell_rates(any_seal, rng):
     """Dot-product test through transformation, weights, normals and shape functions."""
-    model, disc = seal
+    _, disc = any_seal
     transformation, n = disc.transformation, len(disc.particles)
     velocity = rng.standard_normal((2, n, 2))
     forward = discretization_rates(disc, velocity)
@@ -245,7 +321,7 @@ def test_cell_seeds_are_the_transpose_of_cell_rates(seal, rng):
 
     x_bar, weight_bar = np.zeros((n, 2, 1)), weight_bar.copy()
     matrix_bar = disc.cells.pull_back(grad_bar, weight_bar, x_bar)
-    add_weight_seeds(model.body.cell_map, disc.particles, weight_bar, x_bar)
+    disc.cells.add_weight_seeds(weight_bar, x_bar)
     raw = disc.constrained_rows.raw
     point = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
     rows_bar = transformation_seeds(transformation, matrix_bar)

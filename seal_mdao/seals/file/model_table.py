@@ -1,12 +1,11 @@
 """``[model]``: kinematics of the section, and what a body of revolution does not allow."""
 
-from typing import Literal
-
 import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_isochoric
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING
+from seal_mdao.seals.file.forms import one_of
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
 
@@ -19,7 +18,7 @@ RADIAL = 0
 class ModelTable(Table):
     """What the section stands for."""
 
-    kinematics: Literal[PLANE_STRAIN, AXISYMMETRIC] = key(
+    kinematics: one_of(PLANE_STRAIN, AXISYMMETRIC) = key(
         "long seal of this section, results per metre; or the ring that the section makes when it is "
         "turned about the axis x = 0, results of the complete ring",
         PLANE_STRAIN,

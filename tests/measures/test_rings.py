@@ -1,0 +1,150 @@
+"""Rings and cylinders: uniform compression, derivatives of all measures, true pressures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from quotients import quotients
+from rings import cylinder, ring
+from scipy.optimize import brentq
+
+import seal_mdao as sm
+from seal_mdao.materials import hoop_stretch
+from seal_mdao.measures.section_shape import Volume
+from seal_mdao.seals.profiles import true_pressure
+
+DESIGN = """
+[[design]]
+edges = ["side"]
+parameters = 5
+bound = 0.3
+[[design]]
+edges = ["bore"]
+parameters = 5
+bound = 0.3
+[[measure]]
+type = "reaction"
+[[measure]]
+type = "stress_norm"
+[[measure]]
+type = "von_mises"
+[[measure]]
+type = "strain_energy"
+[[measure]]
+type = "contact_pressure"
+profile = "plate"
+[[measure]]
+type = "contact_width"
+profile = "plate"
+[[measure]]
+type = "friction_work"
+[[measure]]
+type = "volume"
+"""
+NAMES = ("plate_friction", "c10", "bulk_modulus", "plate_normal_penalty")
+
+
+def built(folder, text):
+    path = folder / "ring.toml"
+    path.write_text(text)
+    return replace(sm.build_seal(path), newton=sm.NewtonOptions(tolerance=1e-12))
+
+
+@pytest.fixture(scope="module", params=["particles", "edges", "averages"])
+def seal(request, tmp_path_factory):
+    return built(tmp_path_factory.mktemp("ring"), ring(points=request.param) + DESIGN)
+
+
+@pytest.fixture(scope="module")
+def result(seal):
+    found = sm.analyze(seal, keep_factors=True)
+    found.require_converged()
+    return found
+
+
+def test_direct_and_adjoint_agree(seal, result):
+    direct, adjoint = (
+        sm.differentiate(result, NAMES, None, method) for method in ("direct", "adjoint")
+    )
+    for measure in seal.standard:
+        one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
+        assert np.abs(one).max() > 0.0
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * np.abs(one).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "step"),
+    [("boundary_offsets[2]", 2e-5), ("boundary_offsets[8]", 2e-5), ("plate_friction", 1e-4),
+     ("c10", 1e-3)],
+)  # fmt: skip
+def test_derivatives_are_those_of_the_path(seal, result, name, step):
+    direct = sm.differentiate(result, NAMES, None, "direct")
+    column = direct.parameters.index(name)
+    for measure, (quotient, bound) in quotients(seal, name, step).items():
+        one = np.atleast_2d(direct[measure])[:, column]
+        assert np.all(np.abs(one - quotient) <= bound), measure
+        assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-4), measure
+
+
+def compressed(material, stretch):
+    """Lateral stretch and nominal stress, kPa, of a bar without stress at its side."""
+
+    def energy(lateral, axial):
+        # radial and axial in the plane, the hoop stretch across it
+        state = lateral**2 + axial**2, lateral**2 * axial, lateral
+        isochoric = material.energy(*map(np.float64, hoop_stretch.plane_state(*state)))
+        return isochoric + 0.5 * material.bulk_modulus * (state[1] - 1.0) ** 2
+
+    def slope(function, at, step=1e-4):
+        values = [function(at + s * step) for s in (-2, -1, 1, 2)]
+        return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
+
+    side = brentq(
+        lambda lateral: slope(lambda x: energy(x, stretch), lateral), 1.0, 1.5, xtol=1e-13
+    )
+    return side, slope(lambda x: energy(side, x), stretch)
+
+
+@pytest.mark.parametrize("spacing", [0.5, 0.31])
+def test_a_smooth_cylinder_is_compressed_uniformly(spacing, tmp_path):
+    """Also at the axis, and with a cloud that is not even: the patch test of contact."""
+    seal = built(tmp_path, cylinder(spacing))
+    result = sm.analyze(seal)
+    result.require_converged()
+    response, term = result.response("plate"), result.term("plate")
+    pressure = -response.gap * term.law.normal_penalty
+    np.testing.assert_allclose(pressure, pressure.mean(), rtol=1e-10)
+    stretch = 1.0 + result.displacement()[seal.body.edge("top").particles, 1].mean() / 2.0
+    side, stress = compressed(result.term("structure").definition.regions[0].material, stretch)
+    # the slopes of the exact energy are good to 1e-10
+    np.testing.assert_allclose(pressure, -stress, rtol=1e-8)
+    force = result.path.force("plate", result.end)
+    # pi R^2 P, mm^2 kPa = mN
+    assert force[1] == pytest.approx(-1e-3 * np.pi * 4.0 * stress, rel=1e-8)
+    assert force[0] == 0.0
+    # Cauchy stress: force over the deformed area
+    np.testing.assert_allclose(
+        true_pressure(result, result.seal.definitions[1]), -stress / side**2, rtol=1e-8
+    )
+
+
+def test_contact_at_particles_has_an_error_that_falls(tmp_path):
+    errors = []
+    for spacing in (0.5, 0.25):
+        result = sm.analyze(built(tmp_path, cylinder(spacing, "particles")))
+        stretch = (
+            1.0 + result.displacement()[result.seal.body.edge("top").particles, 1].mean() / 2.0
+        )
+        _, stress = compressed(result.term("structure").definition.regions[0].material, stretch)
+        errors.append(
+            result.path.force("plate", result.end)[1] / (-1e-3 * np.pi * 4.0 * stress) - 1
+        )
+    assert abs(errors[1]) < abs(errors[0]) < 1e-3
+
+
+def test_volume_is_that_of_pappus(seal, result):
+    # 2 pi R A with R = 4 mm, A = 4 mm^2
+    assert result.value(Volume())[0] == pytest.approx(2.0 * np.pi * 4.0 * 4.0, rel=1e-12)
+    assert result.path.discretization.cells.cell_weights.sum() == pytest.approx(
+        2e-3 * np.pi * 16.0, rel=1e-12
+    )

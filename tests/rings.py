@@ -1,0 +1,58 @@
+"""A rubber ring of 2 x 2 mm between a fixed base and a plate, and a cylinder, as seal files."""
+
+_RING = """\
+[model]
+kinematics = "axisymmetric"
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 2e3
+[section]
+material = "rubber"
+spacing = {spacing}
+[[section.outer]]
+edge = "base"
+line = [[{inner}, 0.0], [{outer}, 0.0]]
+[[section.outer]]
+edge = "side"
+line = [[{outer}, 0.0], [{outer}, 2.0]]
+[[section.outer]]
+edge = "top"
+line = [[{outer}, 2.0], [{inner}, 2.0]]
+[[section.outer]]
+edge = "bore"
+line = [[{inner}, 2.0], [{inner}, 0.0]]
+[fixed]
+edges = ["base"]
+directions = {directions}
+[[profile]]
+name = "plate"
+friction = {friction}
+normal_penalty = {penalty:g}
+tangent_penalty = 1e4
+contact = ["top"]
+contact_points = "{points}"
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, {start}]
+[[profile.stage]]
+translate = {translate}
+steps = 4
+"""
+
+
+def ring(inner: float = 3.0, spacing: float = 0.5, points: str = "particles", penalty: float = 1e5,
+         friction: float = 0.3, start: float = 2.05, translate=(0.2, -0.5)) -> str:  # fmt: skip
+    """A seal file of the ring, bonded to its base; lengths in mm."""
+    return _RING.format(
+        inner=inner, outer=inner + 2.0, spacing=spacing, points=points, penalty=penalty,
+        friction=friction, start=start, translate=list(translate), directions='["x", "y"]',
+    )  # fmt: skip
+
+
+def cylinder(spacing: float = 0.5, points: str = "averages", travel: float = 0.4) -> str:
+    """A seal file of a solid cylinder between smooth plates; "bore" is its axis."""
+    return _RING.format(
+        inner=0.0, outer=2.0, spacing=spacing, points=points, penalty=1e7, friction=0.0,
+        start=2.0, translate=[0.0, -travel], directions='["y"]',
+    )  # fmt: skip

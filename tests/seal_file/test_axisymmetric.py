@@ -1,0 +1,133 @@
+"""Seal files of rings: what they cannot have, where the axis is, and units."""
+
+import json
+
+import numpy as np
+import openmdao.api as om
+import pytest
+from rings import cylinder, ring
+
+import seal_mdao as sm
+from seal_mdao.cli.subcommands import main
+from seal_mdao.seals.result_units import PLANE
+
+DESIGN = '[[design]]\nedges = ["side"]\nparameters = 5\nbound = 0.3\n'
+SPONGE = '[material.rubber]\nsponge = "2A2"\n'
+RUBBER = ring()[ring().index("[material") : ring().index("[section]")]
+
+
+def read(folder, text):
+    path = folder / "ring.toml"
+    path.write_text(text)
+    return sm.read_seal_file(path)
+
+
+def test_edges_on_the_axis_stay_there(tmp_path):
+    file = read(tmp_path, cylinder())
+    assert file.supports == {"bore": (0,), "base": (1,)}
+    seal = sm.build_seal(file)
+    axis = seal.body.edge("bore").particles
+    np.testing.assert_array_equal(seal.nominal_particles[axis, 0], 0.0)
+    assert seal.body.fixed[axis, 0].all()
+    # held along the axis too where the base is
+    assert seal.body.fixed[axis, 1].sum() == 1
+
+
+def test_the_ring_beside_the_axis_is_free_there(tmp_path):
+    assert read(tmp_path, ring()).supports == {"base": (0, 1)}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"axisymmetric"', '"spherical"', "must be one of plane_strain, axisymmetric"),
+        ("[3.0, 0.0]", "[-1.0, 0.0]", r"goes to x = -1, beyond the axis x = 0"),
+        ('"top"]', '"bore"]', "lies on the axis of revolution"),
+        (RUBBER, SPONGE, "a compressible law is known in plane strain only"),
+        ("steps = 4", "steps = 4\nrotate = 5.0", "rotates, which no body of revolution does"),
+    ],
+)
+def test_what_a_ring_cannot_have_is_refused(tmp_path, old, new, words):
+    text = cylinder() if "bore" in new else ring()
+    changed = text.replace(old, new)
+    if "-1.0" in new:
+        changed = changed.replace("[3.0, 2.0]", "[-1.0, 2.0]")
+    assert changed != text
+    with pytest.raises(sm.SealFileError, match=words):
+        read(tmp_path, changed)
+
+
+def test_a_section_that_touches_the_axis_at_a_point_is_refused(tmp_path):
+    text = ring().replace(
+        "line = [[3.0, 2.0], [3.0, 0.0]]", "line = [[3.0, 2.0], [0.0, 1.0], [3.0, 0.0]]"
+    )
+    with pytest.raises(sm.SealFileError, match="touches the axis at y = 1, where no edge lies"):
+        read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ('[[measure]]\ntype = "reaction"\nlength = 100.0\n', "length is for kinematics"),
+        (
+            '[[measure]]\ntype = "leak_rate"\nprofile = "plate"\nrms_roughness = 5.0\n'
+            "roll_off_wavelength = 500.0\nshortest_wavelength = 1.0\npressure = 10.0\n",
+            "leak_rate",
+        ),
+        ('[[design]]\nedges = ["bore"]\nparameters = 5\nbound = 0.1\n', "lies on the axis"),
+    ],
+)
+def test_tables_that_need_a_long_seal_are_refused(tmp_path, table, words):
+    with pytest.raises(sm.SealFileError, match=words):
+        read(tmp_path, cylinder() + table)
+
+
+def test_volume_is_of_a_ring(tmp_path):
+    text = ring().replace('[model]\nkinematics = "axisymmetric"\n', "")
+    with pytest.raises(sm.SealFileError, match="the volume is that of a ring"):
+        sm.build_seal(read(tmp_path, text + '[[measure]]\ntype = "volume"\n'))
+
+
+def test_plane_strain_is_what_a_file_without_a_model_has(tmp_path):
+    text = ring()
+    plain = text.replace('[model]\nkinematics = "axisymmetric"\n', "")
+    named = text.replace('"axisymmetric"', '"plane_strain"')
+    forces = []
+    for own in (plain, named):
+        seal = sm.build_seal(read(tmp_path, own))
+        assert seal.units is PLANE
+        assert not seal.body.axisymmetric
+        forces.append(sm.analyze(seal).path.reaction("plate"))
+    np.testing.assert_array_equal(*forces)
+
+
+def test_forces_of_a_ring_are_in_newton(tmp_path, capsys):
+    path = tmp_path / "ring.toml"
+    path.write_text(
+        ring() + '[[measure]]\ntype = "reaction"\n[[measure]]\ntype = "strain_energy"\n'
+    )
+    assert main(["analyze", str(path), "--out", str(tmp_path / "out")]) in (0, None)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    end = summary["profiles"]["plate"]["force_N"]
+    assert summary["measures"]["reaction"]["unit"] == "N"
+    assert summary["measures"]["strain_energy"]["unit"] == "mJ"
+    assert summary["measures"]["reaction"]["value"] == pytest.approx(end[1], rel=1e-12)
+    assert f"{end[1]:.2f} N (x, y)" in capsys.readouterr().out
+    header, *rows = (tmp_path / "out" / "curve_plate.csv").read_text().splitlines()
+    row = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
+    assert row["Fy_N"] == pytest.approx(end[1], rel=1e-9)
+    # per 100 mm of the mean circumference 2 pi 4 mm
+    assert row["Fy_N_per_100mm"] == pytest.approx(end[1] * 100.0 / (8.0 * np.pi), rel=2e-2)
+
+
+def test_components_have_the_units_of_a_ring(tmp_path):
+    path = tmp_path / "ring.toml"
+    path.write_text(ring() + '[[measure]]\ntype = "reaction"\n' + DESIGN)
+    problem = om.Problem(sm.SealGroup(seal=sm.build_seal(path)))
+    problem.setup()
+    problem.final_setup()
+    units = {
+        own["prom_name"]: own["units"]
+        for _, own in problem.model.list_outputs(out_stream=None, units=True, prom_name=True)
+    }
+    assert units["reaction"] == "N"
