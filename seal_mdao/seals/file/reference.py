@@ -22,6 +22,7 @@ from seal_mdao.seals.file.material_table import (
     SpongeTable,
 )
 from seal_mdao.seals.file.measure_types import KINDS, MeasureTable
+from seal_mdao.seals.file.model_table import ModelTable
 from seal_mdao.seals.file.moved_table import MovedTable
 from seal_mdao.seals.file.optimize_table import Constraint, OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable, StageTable
@@ -42,6 +43,7 @@ from seal_mdao.seals.file.tolerance_table import (
 )
 
 TABLES = {
+    "model": ModelTable,
     "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
     "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
     "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
