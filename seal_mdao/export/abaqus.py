@@ -1,6 +1,7 @@
 """Export of a seal file's section, contact and motion to Abaqus, for a second opinion.
 
-Lengths are in mm, stresses in kPa and the thickness is 1 mm, so forces are in mN per mm, which is N/m.
+Lengths are in mm, stresses in kPa and the thickness is 1 mm, so forces are in mN per mm, which is N/m. A
+ring has axisymmetric elements, and forces in mN.
 """
 
 import re
@@ -64,9 +65,10 @@ def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:
     require_exportable(file)
     mesh = quadratic_mesh(seal.nominal_particles, seal.body.cells, seal.parts)
     left_out = not_exported(file, seal)
+    kind = "ring, forces in mN" if seal.body.axisymmetric else "thickness 1 mm, forces in N/m"
     lines = [
         "*HEADING",
-        f"Seal of {file.path.name}: mm, kPa, thickness 1 mm, forces in N/m",
+        f"Seal of {file.path.name}: mm, kPa, {kind}",
         *(f"** NOT EXPORTED: {text}" for text in left_out),
         *_mesh_lines(seal, mesh), *_material_lines(seal, mesh), *_profile_lines(file, seal, mesh),
         *_self_contact_lines(file, seal, mesh), *_fixed_lines(file), *_step_lines(seal),
@@ -86,6 +88,11 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
                 f"friction law of {contact.label!r}: its contact has no friction in the file"
             )
     for contact in contacts(seal):
+        if seal.body.axisymmetric and np.ptp(contact.motion.positions[:, 0]) > 0.0:
+            found.append(
+                f"motion of the profile {contact.label!r} along the radius: Abaqus has no rigid ring "
+                "that grows"
+            )
         if has_cubic(contact.shape.profile()):
             found.append(
                 f"splines of the profile {contact.label!r}: straight segments in their place"
@@ -112,7 +119,7 @@ def _mesh_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
     points = [*mesh.points.tolist(), *(pose.position + pose.pivot for pose in poses)]
     lines = ["*NODE", *(f"{n}, {x:.12g}, {y:.12g}" for n, (x, y) in enumerate(points, 1))]
     for number, region in enumerate(seal.definitions[0].regions):
-        kind = element_type(region.material)
+        kind = element_type(region.material, seal.body.axisymmetric)
         lines.append(f"*ELEMENT, TYPE={kind}, ELSET=REGION_{number + 1}")
         own = np.flatnonzero(mesh.regions == number)
         lines += [", ".join(map(str, [e + 1, *(mesh.triangles[e] + 1)])) for e in own.tolist()]

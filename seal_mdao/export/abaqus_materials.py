@@ -21,9 +21,10 @@ RUBBER, FOAM = "CPE6MH", "CPE6M"
 volume."""
 
 
-def element_type(law: Isotropic) -> str:
-    """Return the type of the elements of a law."""
-    return FOAM if isinstance(law, Hyperfoam) else RUBBER
+def element_type(law: Isotropic, axisymmetric: bool = False) -> str:
+    """Return the type of the elements of a law, in plane strain or of a body of revolution."""
+    kind = FOAM if isinstance(law, Hyperfoam) else RUBBER
+    return kind.replace("CPE", "CAX") if axisymmetric else kind
 
 
 def material_lines(law: Isotropic) -> list[str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from rings import cylinder, ring
 
 import seal_mdao as sm
 from seal_mdao.export.abaqus import not_exported, write_abaqus
@@ -245,3 +246,21 @@ def test_a_law_that_abaqus_does_not_have(tmp_path):
     ):
         write_abaqus(file, unchosen_seal(file), tmp_path / "gent.inp")
     assert not (tmp_path / "gent.inp").exists()
+
+
+def test_a_ring_has_axisymmetric_elements(tmp_path):
+    """Its axis is held, and what no rigid body of revolution does is left out."""
+    texts = {}
+    for name, text in (("ring", ring()), ("cylinder", cylinder())):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text)
+        file = sm.read_seal_file(path)
+        out = tmp_path / f"{name}.inp"
+        left_out = write_abaqus(file, unchosen_seal(file), out)
+        texts[name] = out.read_text(), left_out
+    text, left_out = texts["cylinder"]
+    assert "ring, forces in mN" in text.splitlines()[1]
+    assert "*ELEMENT, TYPE=CAX6MH, ELSET=REGION_1" in text
+    assert "EDGE_BORE, 1, 1" in text
+    assert left_out == []
+    assert any("along the radius" in own for own in texts["ring"][1])
