@@ -125,10 +125,12 @@ def outer_sides(cells, touched):
     return sides[first[count == 1]]
 
 
-def chained(sides, points):
-    """Nodes of sides head to tail, from the one in the middle of the section, x = 0."""
+def chained(sides, points, start=None):
+    """Nodes of sides head to tail, from ``start`` or the one in the middle of the section, x = 0."""
     ends = sides[:, ::2]
-    (chain,) = ([node] for node in np.unique(ends) if abs(points[node, 0]) < 1e-9)
+    if start is None:
+        (start,) = (node for node in np.unique(ends) if abs(points[node, 0]) < 1e-9)
+    chain = [start]
     left = list(range(len(sides)))
     while left:
         own = next((i for i in left if chain[-1] in ends[i]), None)

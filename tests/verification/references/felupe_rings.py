@@ -1,0 +1,302 @@
+"""Forces of bodies of revolution by axisymmetric finite elements of FElupe, which know nothing of
+seal_mdao.
+
+Not run by the tests. It writes the JSON files beside it, with the packages that ``felupe_contact`` names::
+
+    OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 fe/bin/python felupe_rings.py ring_squeezed
+
+Elements, rubber and contact are those of ``felupe_contact``, with ``felupe.FieldAxisymmetric`` in place of
+plane strain. Meshes have the axial coordinate first and the radius second, as FElupe wants them; sections
+are drawn with the radius x first. The upper half of a ring is computed; y = 0 is a plane of symmetry.
+Lengths in mm, stresses in kPa, forces of the complete ring in N.
+
+Contact pressure is nominal, at the nodes between elements as in ``felupe_pressure``,
+
+    p_i = sum_a H_i(X_a) f_a / int H_i 2 pi R ds.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import felupe as fem
+import felupe.constitution.tensortrax as mat
+import numpy as np
+from felupe_contact import CODE, SOFT, Case, Pressure, asked, on_arc, save, travels
+from felupe_pressure import ELASTIC_SLIP, chained, outer_sides, rounded
+from felupe_sections import fine_disc, mesh_of
+from pypardiso import spsolve
+
+METHOD = (
+    "biquadratic displacement, linear discontinuous pressure and volume ratio, axisymmetric; nodes "
+    "against a rigid plane with stiff penalties, Coulomb friction by return mapping; upper half"
+)
+AXIAL, RADIAL = 0, 1
+"""Components of displacement."""
+FLIPPED = [0, 3, 2, 1, 7, 6, 5, 4, 8]
+"""Nodes of a mirrored element, counter-clockwise again."""
+MILLI = 1e-3
+"""kPa mm^2 in N."""
+
+
+def half_disc(radius, middle):
+    """Mesh of the upper half of a disc about (``middle``, 0), finest where it is highest."""
+
+    def mesh(size):
+        quarter = mesh_of(fine_disc(radius), size)
+        x, y = quarter.points.T
+        points = np.vstack([np.column_stack([middle + x, y]), np.column_stack([middle - x, y])])
+        cells = np.vstack([quarter.cells, len(x) + quarter.cells[:, FLIPPED]])
+        # nodes of both quarters, x = 0, are the same
+        _, first, number = np.unique(
+            points.round(9), axis=0, return_index=True, return_inverse=True
+        )
+        return fem.Mesh(points[first], number.ravel()[cells], "quad9")
+
+    return mesh
+
+
+def graded(t, strength):
+    """Coordinates from 0 to 1 that are closer together at 1."""
+    return 1.0 - (1.0 - t) ** strength
+
+
+def rectangle(left, right, height, both_sides, strength=1.6):
+    """Mesh of a rectangle, finer at its upper edge and at its right, or both, sides."""
+
+    def mesh(size):
+        n = [max(3, round(length / size)) for length in (right - left, height)]
+        own = fem.Rectangle(a=(0.0, 0.0), b=(1.0, 1.0), n=[k + 1 for k in n])
+        x, y = own.points.T
+        x = 0.5 + 0.5 * np.sign(2 * x - 1) * graded(abs(2 * x - 1), strength) if both_sides else (
+            graded(x, strength)
+        )  # fmt: skip
+        own.points[:] = np.column_stack([left + (right - left) * x, height * graded(y, strength)])
+        return fem.mesh.convert(own, order=2, calc_points=True, calc_midfaces=True)
+
+    return mesh
+
+
+def ring(section, mesh, height, travel, touched, sizes, friction=0.2, **options):
+    """Case of a ring between two plates that approach each other."""
+    return Case(
+        section=section, draw=mesh, rubber=SOFT, friction=friction, travel=travel, top=height,
+        prescribed="y", touched=touched, sizes=sizes, travel_factor=0.5, normal_penalty=1e9,
+        elastic_slip=ELASTIC_SLIP, **options,
+    )  # fmt: skip
+
+
+SQUEEZED = {
+    "ring_squeezed": ring(
+        "O-ring of mean radius 10 mm and section radius 1.75 mm between two flat plates",
+        half_disc(1.75, 10.0), 1.75, [0.35, 0.7],
+        lambda x, y: on_arc(x - 10.0, y, 1.75) & (y > 0.6), [0.16, 0.11, 0.08],
+    ),
+    "ring_sleeve": ring(
+        "sleeve of radii 6 and 10 mm, 12 mm high, between two flat plates",
+        rectangle(6.0, 10.0, 6.0, True), 6.0, [1.2, 3.0],
+        lambda x, y: (y > 6.0 - 1e-9) | ((y > 3.0) & ((x < 6.0 + 1e-9) | (x > 10.0 - 1e-9))),
+        [0.6, 0.4, 0.28], friction=0.5, n_steps=30,
+    ),
+}  # fmt: skip
+BONDED = {
+    f"ring_disc_{thickness}": (
+        thickness,
+        Case(
+            section=f"disc of radius 10 mm and thickness {thickness} mm bonded to two flat plates",
+            draw=rectangle(0.0, 10.0, 0.5 * thickness, False, 1.0), rubber=SOFT, friction=0.0,
+            travel=[1e-3 * thickness, 0.1 * thickness, 0.2 * thickness], top=1e3, prescribed="y",
+            touched=lambda x, y: y > 1e6, sizes=[0.1 * thickness, 0.0715 * thickness, 0.05 * thickness], travel_factor=0.5,
+        ),
+    )
+    for thickness in (2, 5)
+}  # fmt: skip
+
+
+def model_of(case, mesh):
+    """Fields, body, boundaries and the plate of a mesh (R, y); the plate is the last point."""
+    points = mesh.points
+    touched = np.flatnonzero(case.touched(*points.T))
+    turned = fem.Mesh(points[:, ::-1], mesh.cells[:, FLIPPED], "quad9")
+    # beside the axis, where the radius is not zero, and away from the section
+    turned.add_points([case.top, 1.0])
+    region = fem.RegionBiQuadraticQuad(turned)
+    n, k = turned.ncells, case.pressure_modes
+    of_pressure = fem.Mesh(np.zeros((k * n, 2)), np.arange(k * n).reshape(n, k), "pressure")
+    dual = fem.Region(of_pressure, Pressure(k), region.quadrature, grad=False)
+    one = np.tile(np.eye(k)[0], n)[:, None]
+    u = fem.FieldAxisymmetric(region, dim=2)
+    pressure, volume = fem.Field(dual, dim=1), fem.Field(dual, dim=1, values=one)
+    fields = fem.FieldContainer([u, pressure, volume])
+    c10, c01, bulk = case.rubber.values()
+    law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
+    solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
+    plate = fem.ContactRigidPlane(
+        fields, touched, -1, normal=[-1.0, 0.0], friction=case.friction,
+        multiplier=case.normal_penalty, multiplier_tangential=case.tangent_penalty,
+        elastic_slip=case.elastic_slip,
+    ) if touched.size else None  # fmt: skip
+    x, y = points.T
+    masks = {"axis": (x < 1e-9, RADIAL), "middle": (y < 1e-9, AXIAL)}
+    masks = {name: (np.append(own, False), axis) for name, (own, axis) in masks.items()}
+    last = np.append(np.zeros(len(x), bool), True)
+    masks |= {"side": (last, RADIAL), "move": (last, AXIAL)}
+    bounds = {
+        name: fem.Boundary(u, mask=mask, skip=(axis != AXIAL, axis != RADIAL))
+        for name, (mask, axis) in masks.items()
+        if mask.any()
+    }
+    return fields, solid, plate, bounds
+
+
+def follow(case, items, fields, bounds, moved, path, keep):
+    """Ramp the boundary ``moved``; ``keep(travel)`` sees every equilibrium."""
+    step = fem.Step(items, ramp={bounds[moved]: -case.travel_factor * path}, boundaries=bounds)
+    node = bounds[moved].points[0]
+
+    def after(context, state):
+        keep(-fields[0].values[node, AXIAL] / case.travel_factor)
+
+    try:
+        fem.Job([step], plugins=[fem.CutbackPlugin(max_cutbacks=6), after]).evaluate(
+            x0=fields, verbose=0, solver=spsolve, tol=1e-7, maxiter=14
+        )
+    except fem.NewtonConvergenceError:
+        print("  no equilibrium found beyond this travel")
+
+
+def edge_of(mesh, touched):
+    """Nodes of the touching edge from its inner end, the sides' lengths of arc, int H_i 2 pi R ds."""
+    sides = outer_sides(mesh.cells, np.flatnonzero(touched))
+    ends, count = np.unique(sides[:, ::2], return_counts=True)
+    loose = ends[count == 1]
+    nodes = chained(sides, mesh.points, loose[mesh.points[loose, 0].argmin()])
+    points = mesh.points[nodes]
+    g, w = np.polynomial.legendre.leggauss(4)
+    first, middle, last = points[:-2:2], points[1:-1:2], points[2::2]
+    # X = sum_a N_a(r) X_a and dX/dr of the quadratic map at Gauss points r
+    values = np.array([0.5 * g * (g - 1.0), 1.0 - g * g, 0.5 * g * (g + 1.0)])
+    slopes = np.array([g - 0.5, -2.0 * g, g + 0.5])
+    own = np.stack([first, middle, last])
+    radius = np.einsum("ag,am->gm", values, own[..., 0])
+    speed = np.linalg.norm(np.einsum("ag,ami->gmi", slopes, own), axis=2)
+    area = 2.0 * np.pi * radius * speed
+    weight = np.append((w * 0.5 * (1.0 - g)) @ area, 0.0)
+    weight[1:] += (w * 0.5 * (1.0 + g)) @ area
+    return nodes, np.append(0.0, np.cumsum(w @ speed)), weight
+
+
+def squeezed(case, size):
+    """Stages of a ring between plates: force, N, and nominal pressure along the edge, kPa."""
+    began, mesh, stages = perf_counter(), case.draw(size), []
+    nodes, length, weight = edge_of(mesh, case.touched(*mesh.points.T))
+    places = mesh.points[nodes[::2]]
+
+    fields, solid, plate, bounds = model_of(case, mesh)
+
+    def keep(travel):
+        if not asked(case, travel):
+            return
+        force = np.abs(plate.results.force.toarray()[2 * nodes + AXIAL, 0])
+        # H_i is 1/2 at the middles of the elements
+        by_hats = force[::2].copy()
+        by_hats[:-1] += 0.5 * force[1::2]
+        by_hats[1:] += 0.5 * force[1::2]
+        pressure = by_hats / weight
+        total = MILLI * force.sum()
+        stages.append({"force_N": total, "peak_kPa": pressure.max(), "pressure_kPa": pressure})
+        print(f"    {travel:.3f} mm: {total:.4f} N, {pressure.max():.2f} kPa", flush=True)
+
+    follow(case, [solid, plate], fields, bounds, "move", travels(case), keep)
+    print(f"  size {size}: {mesh.ncells} elements, {perf_counter() - began:.0f} s", flush=True)
+    return length, places, stages
+
+
+def bonded(case, size):
+    """Forces of a bonded disc at the asked travels, N."""
+    mesh, force = case.draw(size), []
+    fields, solid, _, bounds = model_of(case, mesh)
+    high = np.append(np.isclose(mesh.points[:, 1], mesh.points[:, 1].max()), False)
+    u = fields[0]
+    bounds["bond"] = fem.Boundary(u, mask=high, skip=(True, False))
+    bounds["press"] = fem.Boundary(u, mask=high, skip=(False, True))
+
+    def keep(travel):
+        if asked(case, travel):
+            own = solid.results.force.toarray()[: u.values.size].reshape(-1, 2)
+            force.append(float(MILLI * abs(own[high, AXIAL].sum())))
+
+    path = np.unique(np.round([*case.travel, *np.linspace(0.0, case.travel[-1], 41)[1:]], 12))
+    follow(case, [solid], fields, bounds, "press", path, keep)
+    print(f"  size {size}: {mesh.ncells} elements, {force} N", flush=True)
+    return force
+
+
+def refined(forces, i):
+    """Twice the change of a force by the last refinement of those meshes that got there."""
+    last, before = [own[i] for _, own in sorted(forces.items()) if len(own) > i][:2]
+    return 2.0 * abs(before / last - 1.0)
+
+
+def change(one, other, key):
+    """Relative difference of the stages of two paths."""
+    return [b[key] / a[key] - 1.0 for a, b in zip(one, other, strict=False)]
+
+
+def written(case, found):
+    """Entries that say what was computed, with those ``found``."""
+    about = {"section": case.section, "rubber": {"law": "mooney_rivlin", **case.rubber}}
+    about |= {"friction": case.friction, "travel_mm": case.travel}
+    return about | {"method": METHOD, "code": CODE} | rounded(found)
+
+
+def main(name):
+    if name in BONDED:
+        case = BONDED[name][1]
+        forces = {size: bonded(case, size) for size in case.sizes}
+        finest = forces[case.sizes[-1]]
+        found = {
+            "force_N": finest,
+            "relative_uncertainty": [refined(forces, i) for i in range(len(finest))],
+            "meshes_N": {f"elements of {size} mm": own for size, own in forces.items()},
+        }
+        Path(__file__).with_name(f"{name}.json").unlink(missing_ok=True)
+        save(name, written(case, found))
+        return
+    case = SQUEEZED[name]
+    runs = {size: squeezed(case, size) for size in case.sizes}
+    coarse = case.sizes[0]
+    twice = squeezed(replace(case, n_steps=2 * case.n_steps), coarse)[2]
+    stiff = squeezed(replace(case, normal_penalty=5 * case.normal_penalty), coarse)[2]
+    length, places, stages = runs[case.sizes[-1]]
+    before, first = runs[case.sizes[-2]][2], runs[coarse][2]
+    changes = {
+        f"{kind}_{key}": change(one, other, key)
+        for kind, one, other in (
+            ("mesh", stages, before), ("steps", first, twice), ("penalty", first, stiff),
+        )
+        for key in ("force_N", "peak_kPa")
+    }  # fmt: skip
+    found = {
+        "force_N": [own["force_N"] for own in stages],
+        "peak_kPa": [own["peak_kPa"] for own in stages],
+        # twice the change by the last refinement, or that by steps or penalties
+        "relative_uncertainty": [
+            max(2.0 * abs(a), abs(b), abs(c))
+            for a, b, c in zip(*(changes[f"{k}_force_N"] for k in ("mesh", "steps", "penalty")))
+        ],
+        "changes": changes,
+        "meshes_N": {
+            f"elements of {size} mm": [own["force_N"] for own in run[2]]
+            for size, run in runs.items()
+        },
+        "arc_length_mm": length,
+        "place_mm": places,
+        "pressure_kPa": [own["pressure_kPa"] for own in stages],
+    }
+    save(name, written(case, found))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
