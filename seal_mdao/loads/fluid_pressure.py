@@ -5,9 +5,9 @@
 along every side of the edge (``pressed_sides``): a parabola through its ends and its middle, which
 follows the deformed body closely enough that the pressure acts on the volume of the cells (with straight
 sides a pressure of 2.5 shear moduli crumples the body). In a body of revolution a side is turned about
-the axis, ds becomes c r ds. The weights w_i at the particles are those of ``fluid_law``, from the contact
-pressures of the rigid profiles that may touch the edge, and linear between; they couple a point of the
-front with all points behind it. n follows the deformed sides: a follower load.
+the axis: ds becomes c r ds. The weights w_i at the particles are those of ``fluid_law``, from the
+contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a point
+of the front with all points behind it. n follows the deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace
