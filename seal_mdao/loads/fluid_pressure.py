@@ -2,11 +2,12 @@
 
     R_m += -p int N_m w n ds,    x = sum_n N_n(s) x_n
 
-along every side of the edge: a parabola through its ends and its middle, which follows the deformed
-body closely enough that the pressure acts on the volume of the cells (with straight sides a pressure of
-2.5 shear moduli crumples the body). The weights w_i at the particles are those of ``fluid_law``, from
-the contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a
-point of the front with all points behind it. n follows the deformed sides: a follower load.
+along every side of the edge (``pressed_sides``): a parabola through its ends and its middle, which
+follows the deformed body closely enough that the pressure acts on the volume of the cells (with straight
+sides a pressure of 2.5 shear moduli crumples the body). In a body of revolution a side is turned about
+the axis: ds becomes c r ds. The weights w_i at the particles are those of ``fluid_law``, from the
+contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a point
+of the front with all points behind it. n follows the deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +18,9 @@ from scipy.sparse import csr_array
 from seal_mdao import values
 from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
+from seal_mdao.loads.pressed_sides import PressedSides
 from seal_mdao.loads.ramp import at_ends, at_fraction
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points
@@ -29,22 +32,6 @@ SHARE = 0.05
 ENDS = ("start", "end")
 
 _NO_BRANCH = np.empty(0, int)
-
-
-def _side_integrals() -> np.ndarray:
-    """Integrate N_m M_i dN_n/ds over [0, 1], quadratic N with nodes 0, 1/2, 1 and linear M with nodes
-    0, 1; shape (2, 3, 3) of (i, m, n)."""
-    # degree 2 + 1 + 1 = 4: three Gauss points are exact
-    s, weight = np.polynomial.legendre.leggauss(3)
-    s = 0.5 + 0.5 * s
-    # N = ((1 - s)(1 - 2 s), 4 s (1 - s), s (2 s - 1)),  M = (1 - s, s)
-    shapes = np.stack([(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)])
-    slopes = np.stack([4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0])
-    lines = np.stack([1.0 - s, s])
-    return np.einsum("q,mq,iq,nq->imn", 0.5 * weight, shapes, lines, slopes)
-
-
-_INTEGRALS = _side_integrals()
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,15 +158,17 @@ class FluidPressureTerm(CoupledTerm):
         )
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
         self.share, self.output_indices = definition.share, len(definition.edge)
+        self.axisymmetric = discretization.body.axisymmetric
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
+        if self.axisymmetric:
+            self.rounding *= CIRCUMFERENCE * float(self.reference[:, 0].max())
         self.closings = [
             Closing(contact, definition.particles, self.names) for contact in definition.contacts
         ]
-        k = self.output_indices
-        self._sides = 2 * np.arange(k - 1)[:, None] + np.arange(3)
-        # Q: quarter turn of the tangent, directed away from the wet end, into the body
-        sense = 1.0 if definition.end == "start" else -1.0
-        self._inward = sense * np.array([[0.0, -1.0], [1.0, 0.0]])
+        # directed away from the wet end: of an edge from its start, the body is on the left
+        self._sides = PressedSides(
+            self.output_indices - 1, definition.end == "start", self.axisymmetric
+        )
 
     # ---- the state ----
 
@@ -204,34 +193,14 @@ class FluidPressureTerm(CoupledTerm):
             found = ClosingRates(*map(np.add, found, closing.rates(own, fraction)))
         return found
 
-    def _per_weight(self, x) -> np.ndarray:
-        """Compute the force on the points per unit pressure and unit weight, shape (k, m, 2)."""
-        # f_im = int N_m M_i n ds = sum_n [int N_m M_i dN_n/ds ds] Q x_n,  Q: quarter turn inward
-        inward = x[self._sides] @ self._inward.T
-        out = np.zeros((self.output_indices, *x.shape))
-        side = np.arange(len(self._sides))[:, None]
-        for end, integrals in enumerate(_INTEGRALS):
-            # each point occurs once per side
-            out[side + end, self._sides] += integrals @ inward
-        return out
-
-    def _turning(self, size):
-        """Compute pairs of points and tangents of a follower pressure ``size`` (k,) at the particles."""
-        wetted = np.flatnonzero((size[:-1] != 0.0) | (size[1:] != 0.0))
-        # K_mn = sum_i size_i [int N_m M_i dN_n/ds ds] Q
-        by_side = np.stack([size[wetted], size[wetted + 1]], axis=1)
-        integrals = np.einsum("si,imn->smn", by_side, _INTEGRALS)
-        points = self._sides[wetted]
-        pairs = np.stack(np.broadcast_arrays(points[:, :, None], points[:, None]), axis=-1)
-        return pairs.reshape(-1, 2), integrals.reshape(-1, 1, 1) * self._inward
-
     # ---- what a coupled term gives ----
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         pressure, closing = self.pressure_at(fraction), self._closing(x, fraction)
         weight, *slopes = wetting(closing, pressure, self.share)
         # R = -p sum_i w_i f_i;  dR/dx = -p sum_i w_i df_i/dx - p sum_i f_i (dw_i/dx)
-        per_weight, (pairs, tangent) = self._per_weight(x), self._turning(-pressure * weight)
+        per_weight = self._sides.forces(x)
+        pairs, tangent = self._sides.tangents(x, -pressure * weight)
         front = np.flatnonzero(slopes[0])
         if front.size:
             # dw_i/dx_j = dw_i/dc_j dc_j/dx_j: a particle of the front acts on all points behind it
@@ -245,7 +214,7 @@ class FluidPressureTerm(CoupledTerm):
         # points of sides with any pressure
         reached = (weight[:-1] > 0.0) | (weight[1:] > 0.0)
         loaded = np.zeros(len(x), np.int64)
-        loaded[self._sides[reached]] = 1
+        loaded[self._sides.points[reached]] = 1
         return CoupledResponse(
             x, np.tensordot(-pressure * weight, per_weight, 1), loaded, pairs, tangent,
             np.empty((0, *x.shape)), np.empty(0), _NO_BRANCH, None,
@@ -268,8 +237,8 @@ class FluidPressureTerm(CoupledTerm):
         of_weight[:, at_parameters.start] += ramp * by_pressure
         grown = pressure * of_weight
         grown[:, at_parameters.start] += ramp * weight
-        force = np.tensordot(-self._per_weight(x), grown, (0, 0)).reshape(-1, grown.shape[1])
-        pairs, turn = self._turning(-pressure * weight)
+        force = np.tensordot(-self._sides.forces(x), grown, (0, 0)).reshape(-1, grown.shape[1])
+        pairs, turn = self._sides.tangents(x, -pressure * weight)
         rows = 2 * pairs[:, 0, None, None] + np.arange(2)[:, None]
         np.add.at(force, (rows, at_x.start + 2 * pairs[:, 1, None, None] + np.arange(2)), turn)
         given = np.stack([of_weight, of_closing], axis=1).reshape(2 * k, -1)
@@ -293,7 +262,7 @@ class FluidPressureTerm(CoupledTerm):
         _, by_pressure = accumulated(*self._slopes(response, pressure))
         # dR = -sum_i d(p w_i) f_i,  d(p w_i) = dp (w_i + p dw_i/dp)
         size = change * (response.outputs[:, 0] + pressure * by_pressure)
-        moved = np.tensordot(-size, self._per_weight(response.x), 1)
+        moved = np.tensordot(-size, self._sides.forces(response.x), 1)
         force = np.zeros(self.discretization.layout.force_size)
         self._add_force(moved, np.ones(len(moved), np.int64), force)
         return [force]

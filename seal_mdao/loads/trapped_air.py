@@ -1,10 +1,12 @@
-"""Air trapped in a hole: its pressure is a function of the deformed area.
+"""Air trapped in a hole: its pressure is a function of the deformed volume.
 
-    p = p_a ((A0 / A)^gamma - 1),    A = 1/2 sum_j x_j x x_{j+1},    R_j = -p dA/dx_j
+    p = p_a ((V0 / V)^gamma - 1),    R_j = -p dV/dx_j
 
-with p the excess over the pressure p_a outside and R the contribution to the residual. The area A0 of
-the undeformed hole depends on the design. The tangent couples neighbours, since the sides rotate, and
-has a part of rank one, gamma (p_a + p) / A g g^T with g = dA/dx, over the complete hole.
+with p the excess over the pressure p_a outside and R the contribution to the residual. The volume V
+(``enclosed_volume``) is in plane strain the area A = 1/2 sum_j x_j x x_{j+1}, in a body of revolution
+that of the complete ring. The volume V0 of the undeformed hole depends on the design. The tangent
+couples neighbours, since the sides rotate, and has a part of rank one, gamma (p_a + p) / V g g^T with
+g = dV/dx, over the complete hole.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +15,8 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from seal_mdao import values
-from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.loads.enclosed_volume import coupled_points, enclosed_volume, second_derivatives
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -94,9 +97,9 @@ class TrappedAir(TermDefinition):
 
 class TrappedAirTerm(CoupledTerm):
     """``TrappedAir`` in one design; what it gives are the pressure over that outside, kPa, and the
-    area, mm^2."""
+    volume: mm^2, the area of the hole, in plane strain; m mm^2 in a body of revolution."""
 
-    output_names = ("pressure", "area")
+    output_names = ("pressure", "volume")
     conservative = True
 
     def __init__(self, definition: TrappedAir, discretization, index: int):
@@ -104,70 +107,73 @@ class TrappedAirTerm(CoupledTerm):
             definition.label, definition.scalars, definition.where, discretization, index
         )
         self.outside, self.gamma = definition.pressure, definition.gamma
-        area, by_index = polygon_area(self.reference)
-        self.orientation = 1.0 if area > 0.0 else -1.0
-        self.nominal_area, self.by_reference = self.orientation * area, self.orientation * by_index
+        self.axisymmetric = discretization.body.axisymmetric
+        volume, by_index = enclosed_volume(self.reference, self.axisymmetric)
+        self.orientation = 1.0 if volume > 0.0 else -1.0
+        self.nominal_volume = self.orientation * volume
+        self.by_reference = self.orientation * by_index
         self.rounding = self.outside * float(np.abs(self.reference).max())
-        self._pairs, self._turn = self._sides()
+        if self.axisymmetric:
+            self.rounding *= CIRCUMFERENCE * float(self.reference[:, 0].max())
+        self._pairs = coupled_points(len(self.where), self.axisymmetric)
 
-    def _sides(self):
-        """Compute pairs of neighbours and d^2 A / dx dx, shapes (2 k, 2), (2 k, 2, 2)."""
-        at = np.arange(len(self.where))
-        # d^2 A/(dx_j dx_(j+1)) = +-1/2 [[0, 1], [-1, 0]] (sense of the ring), and its transpose
-        quarter = 0.5 * self.orientation * np.array([[0.0, 1.0], [-1.0, 0.0]])
-        pairs = np.concatenate([
-            np.column_stack([at, np.roll(at, -1)]), np.column_stack([at, np.roll(at, 1)])
-        ])  # fmt: skip
-        return pairs, np.concatenate(
-            [np.tile(turn, (len(at), 1, 1)) for turn in (quarter, -quarter)]
-        )
+    def _enclosed(self, x):
+        """Compute the volume, positive for either sense of the ring, and its gradient; None where it is
+        not positive."""
+        volume, by_index = enclosed_volume(x, self.axisymmetric)
+        volume *= self.orientation
+        return None if volume <= 0.0 else (volume, self.orientation * by_index)
+
+    def _turned(self, x, pressure) -> np.ndarray:
+        """Tangents -p d^2 V/dx dx of the pairs, shape (m, 2, 2)."""
+        return -pressure * (self.orientation * second_derivatives(x, self.axisymmetric))
 
     def _state(self, x):
-        """Compute area, its gradient and excess pressure; None where the area is not positive."""
-        area, by_index = polygon_area(x)
-        area *= self.orientation
-        if area <= 0.0:
+        """Compute volume, its gradient and excess pressure; None where the volume is not positive."""
+        enclosed = self._enclosed(x)
+        if enclosed is None:
             return None
-        # p = p_a ((A0 / A)^gamma - 1)
-        pressure = self.outside * np.expm1(self.gamma * np.log(self.nominal_area / area))
-        return area, self.orientation * by_index, pressure
+        volume, by_index = enclosed
+        # p = p_a ((V0 / V)^gamma - 1)
+        pressure = self.outside * np.expm1(self.gamma * np.log(self.nominal_volume / volume))
+        return volume, by_index, pressure
 
     def respond(self, x, fraction, history):
         state = self._state(x)
         if state is None:
             return None
-        area, by_index, pressure = state
+        volume, by_index, pressure = state
         every = np.ones(len(x), np.int64)
-        # R = -p g,   K = -p d^2 A/dx dx + gamma (p_a + p) / A g g^T,   dp/dA = -gamma (p_a + p) / A
-        stiffness = self.gamma * (self.outside + pressure) / area
+        # R = -p g,   K = -p d^2 V/dx dx + gamma (p_a + p) / V g g^T,   dp/dV = -gamma (p_a + p) / V
+        stiffness = self.gamma * (self.outside + pressure) / volume
         return CoupledResponse(
-            x, -pressure * by_index, every, self._pairs, -pressure * self._turn, by_index[None],
-            np.array([stiffness]), _NO_BRANCH, None, np.array([[pressure, area]]),
+            x, -pressure * by_index, every, self._pairs, self._turned(x, pressure), by_index[None],
+            np.array([stiffness]), _NO_BRANCH, None, np.array([[pressure, volume]]),
         )  # fmt: skip
 
     def potential(self, d, response) -> float:
-        left, power = response.outputs[0, 1] / self.nominal_area, 1.0 - self.gamma
-        # Pi = int_A^A0 p dA = p_a A0 [ (1 - a^(1 - gamma)) / (1 - gamma) - (1 - a) ],  a = A / A0;
-        # the first term tends to -ln a for gamma = 1
+        left, power = response.outputs[0, 1] / self.nominal_volume, 1.0 - self.gamma
+        # Pi = int_V^V0 p dV = p_a V0 [ (1 - v^(1 - gamma)) / (1 - gamma) - (1 - v) ],  v = V / V0;
+        # the first term tends to -ln v for gamma = 1
         squeezed = -np.log(left) if power == 0.0 else np.expm1(power * np.log(left)) / -power
-        return float(self.outside * self.nominal_area * (squeezed - (1.0 - left)))
+        return float(self.outside * self.nominal_volume * (squeezed - (1.0 - left)))
 
     def linearize(self, response, fraction, history):
-        area, by_index, pressure = self._state(response.x)
+        volume, by_index, pressure = self._state(response.x)
         k, (at_x, _, _, at_parameters, at_reference) = len(self.where), self.inputs
-        absolute, shrunk = self.outside + pressure, np.log(self.nominal_area / area)
+        absolute, shrunk = self.outside + pressure, np.log(self.nominal_volume / volume)
         # the two outputs by what they depend on; the force turns with the places beside
         by_inputs = np.zeros((2, at_reference.stop))
-        by_inputs[0, at_x] = -self.gamma * absolute / area * by_index.ravel()
+        by_inputs[0, at_x] = -self.gamma * absolute / volume * by_index.ravel()
         by_inputs[0, at_reference] = (
-            self.gamma * absolute / self.nominal_area * self.by_reference.ravel()
+            self.gamma * absolute / self.nominal_volume * self.by_reference.ravel()
         )
         by_inputs[0, at_parameters] = pressure / self.outside, absolute * shrunk
         by_inputs[1, at_x] = by_index.ravel()
         left = np.zeros((2 * k + 2, 2))
         left[: 2 * k, 0], left[2 * k :] = -by_index.ravel(), np.eye(2)
         shape = (2 * k + 2, at_reference.stop)
-        return LocalMap(self._scattered(-pressure * self._turn, shape), left, by_inputs)
+        return LocalMap(self._scattered(self._turned(response.x, pressure), shape), left, by_inputs)
 
     def _scattered(self, tangent, shape) -> csr_array:
         """Tangents of the pairs as a matrix over places."""
@@ -177,5 +183,7 @@ class TrappedAirTerm(CoupledTerm):
         return coo_array((tangent.ravel(), at), shape=shape).tocsr()
 
     def describe(self, response, fraction) -> str:
-        pressure, area = response.outputs[0]
-        return f"{self.label}: {pressure:.4g} kPa over the outside, {area:.4g} mm^2 left"
+        pressure, volume = response.outputs[0]
+        # 1 m mm^2 = 1000 mm^3
+        left, unit = (1e3 * volume, "mm^3") if self.axisymmetric else (volume, "mm^2")
+        return f"{self.label}: {pressure:.4g} kPa over the outside, {left:.4g} {unit} left"

@@ -1,15 +1,22 @@
 """Air in a hole with vents: what leaves it while the seal closes is lost for the rest of the path.
 
-    p = p_a ((M / A)^gamma - 1),    dM/dt = -C_d a c Phi(M / A),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
+    p = p_a ((M / V)^gamma - 1),    dM/dt = -C_d a c Phi(M / V),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
 
-with M the mass of the air over its density outside, A0 at the start (mm^2), a the area of the vents per
-length of the strip and Phi of ``orifice``. A load step takes the time in which the profile travels, or
-its part of a given duration; over it the mass follows by backward Euler. In the fraction of the mass
-m = M / A0 and y = ln(M / A) that is
+with M the mass of the air over its density outside, V0 at the start, a the area of the vents and Phi of
+``orifice``. A load step takes the time in which the profile travels, or its part of a given duration;
+over it the mass follows by backward Euler. In the fraction of the mass m = M / V0 and y = ln(M / V) that
+is
 
-    F(y) = A / A0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / A0
+    F(y) = V / V0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / V0
 
-a monotone equation, solved for every area A. m is carried to the next load step.
+a monotone equation, solved for every volume V. m is carried to the next load step.
+
+In plane strain V is the area of the hole (mm^2), a the area of the vents per length of the strip (mm).
+In a body of revolution V is that of the complete ring, V0 = 2 pi R_c A0 with the area A0 and the radius
+R_c of the centroid of the undeformed hole (Pappus). The vents lie on the circle of the centroid, there
+are 2 pi R_c over their spacing, with the area 2 pi R_c times that per length; hence in both
+
+    a / V0 = (pi d^2 / 4 s) / A0.
 """
 
 import math
@@ -68,7 +75,8 @@ class VentedAir(TrappedAir):
     Attributes
     ----------
     vent_diameter, vent_spacing : float
-        Of round vents, and the distance from one to the next along the strip, mm.
+        Of round vents, and the distance from one to the next along the strip, or in a body of
+        revolution along the circle of the centroid of the undeformed hole, mm.
     closing_speed : float
         Speed along the path of the profile, mm/s.
     travel : ndarray, shape (n_steps + 1,)
@@ -136,13 +144,13 @@ class _State(NamedTuple):
 
     Attributes
     ----------
-    area : float
+    volume : float
     by_index : ndarray, shape (k, 2)
-        dA/dx.
+        dV/dx.
     y : float
         Logarithm of the density over that outside.
     kappa : float
-        C_d a c dt / A0.
+        C_d a c dt / V0.
     moving : float
         Fraction of dt that depends on the closing speed.
     flow : Flow
@@ -151,7 +159,7 @@ class _State(NamedTuple):
         dF/dy.
     """
 
-    area: float
+    volume: float
     by_index: np.ndarray
     y: float
     kappa: float
@@ -171,7 +179,13 @@ class VentedAirTerm(TrappedAirTerm):
         super().__init__(definition, discretization, index)
         self.travel, self.speed = np.asarray(definition.travel, float), definition.closing_speed
         self.time = np.asarray(definition.time, float)
-        # a = pi d^2 / (4 s): area of the vents per length of the strip, mm
+        # A0: area of the undeformed hole, V0 / (2 pi R_c) in a body of revolution
+        self.nominal_area, self.area_by_reference = self.nominal_volume, self.by_reference
+        if self.axisymmetric:
+            area, by_index = polygon_area(self.reference)
+            self.nominal_area = self.orientation * area
+            self.area_by_reference = self.orientation * by_index
+        # pi d^2 / (4 s): area of the vents per length of the strip, mm
         area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
         self.conductance = definition.discharge_coefficient * area * VELOCITY
         # d ln kappa of coefficient, diameter, spacing and speed
@@ -198,20 +212,20 @@ class VentedAirTerm(TrappedAirTerm):
         return travel / self.speed, time
 
     def _vented(self, x, fraction, history: AirHistory) -> _State | None:
-        """Solve for the state at the end of a load step; None where the area is not positive."""
-        area, by_index = polygon_area(x)
-        area *= self.orientation
-        if area <= 0.0:
+        """Solve for the state at the end of a load step; None where the volume is not positive."""
+        enclosed = self._enclosed(x)
+        if enclosed is None:
             return None
+        volume, by_index = enclosed
         moving, given = self.times_between(history.fraction, fraction)
         time = moving + given
-        left, kappa = area / self.nominal_area, self.conductance * time / self.nominal_area
+        left, kappa = volume / self.nominal_volume, self.conductance * time / self.nominal_area
         y = density(left, history.mass, kappa, self.gamma)
         flow = orifice_flow(y, self.gamma)
-        # dF/dy = A / A0 exp(y) + kappa dPhi/dy
+        # dF/dy = V / V0 exp(y) + kappa dPhi/dy
         slope = left * math.exp(y) + kappa * flow.by_density
         share = moving / time if time else 0.0
-        return _State(area, self.orientation * by_index, y, kappa, share, flow, slope)
+        return _State(volume, by_index, y, kappa, share, flow, slope)
 
     def _pressure(self, y: float) -> float:
         """Compute p = p_a (exp(gamma y) - 1)."""
@@ -222,15 +236,15 @@ class VentedAirTerm(TrappedAirTerm):
         if state is None:
             return None
         pressure, every = self._pressure(state.y), np.ones(len(x), np.int64)
-        # dp/dA = gamma (p_a + p) dy/dA,  dy/dA = -exp(y) / (A0 dF/dy)
-        by_area = math.exp(state.y) / (self.nominal_area * state.slope)
-        stiffness = self.gamma * (self.outside + pressure) * by_area
-        # R = -p g,   K = -p d^2 A/dx dx - dp/dA g g^T,   m = m_n - kappa Phi
+        # dp/dV = gamma (p_a + p) dy/dV,  dy/dV = -exp(y) / (V0 dF/dy)
+        by_volume = math.exp(state.y) / (self.nominal_volume * state.slope)
+        stiffness = self.gamma * (self.outside + pressure) * by_volume
+        # R = -p g,   K = -p d^2 V/dx dx - dp/dV g g^T,   m = m_n - kappa Phi
         left = AirHistory(history.mass - state.kappa * state.flow.value, fraction)
         return CoupledResponse(
-            x, -pressure * state.by_index, every, self._pairs, -pressure * self._turn,
+            x, -pressure * state.by_index, every, self._pairs, self._turned(x, pressure),
             state.by_index[None], np.array([stiffness]), _NO_BRANCH, left,
-            np.array([[pressure, state.area]]),
+            np.array([[pressure, state.volume]]),
         )  # fmt: skip
 
     def uses_history(self, following):
@@ -240,23 +254,24 @@ class VentedAirTerm(TrappedAirTerm):
 
     def linearize(self, response, fraction, history):
         state = self._vented(response.x, fraction, history)
-        pressure, mass, area = self._rates(state, history)
+        pressure, mass, volume = self._rates(state, history)
         force, passed, outputs = self.rows
-        # force -p g, the mass passed on, pressure and area by what they depend on
+        # force -p g, the mass passed on, pressure and volume by what they depend on
         left = np.zeros((outputs.stop, 3))
         left[force, 0] = -state.by_index.ravel()
         left[passed.start + _MASS, 1] = 1.0
         left[outputs, [0, 2]] = np.eye(2)
         shape = (outputs.stop, self.inputs[-1].stop)
-        turned = self._scattered(-response.outputs[0, 0] * self._turn, shape)
-        return LocalMap(turned, left, np.stack([pressure, mass, area]))
+        turned = self._scattered(self._turned(response.x, response.outputs[0, 0]), shape)
+        return LocalMap(turned, left, np.stack([pressure, mass, volume]))
 
     def _rates(self, state: _State, history: AirHistory) -> tuple:
-        """Differentiate pressure, mass and area with respect to the columns of a ``LocalMap``."""
+        """Differentiate pressure, mass and volume with respect to the columns of a ``LocalMap``."""
         at_x, at_history, _, at_parameters, at_reference = self.inputs
         pressure, kappa, flow = self._pressure(state.y), state.kappa, state.flow
-        area, nominal, before, exponent, logarithm = np.zeros((5, at_reference.stop))
-        area[at_x], nominal[at_reference] = state.by_index.ravel(), self.by_reference.ravel()
+        volume, nominal, area, before, exponent, logarithm = np.zeros((6, at_reference.stop))
+        volume[at_x], nominal[at_reference] = state.by_index.ravel(), self.by_reference.ravel()
+        area[at_reference] = self.area_by_reference.ravel()
         before[at_history.start + _MASS] = 1.0
         columns = {name: at_parameters.start + i for i, name in enumerate(self.names)}
         exponent[columns[f"{self.label}_gamma"]] = 1.0
@@ -265,18 +280,18 @@ class VentedAirTerm(TrappedAirTerm):
         # dt = travel / speed + given time
         logarithm[columns[f"{self.label}_closing_speed"]] *= state.moving
         # kappa' / kappa = (ln kappa)' - A0' / A0
-        logarithm -= nominal / self.nominal_area
+        logarithm -= area / self.nominal_area
         flowing = kappa * (flow.value * logarithm + flow.by_gamma * exponent)
-        # F' = exp(y) / A0 (A' - A A0' / A0) - m_n' + (kappa Phi)' + dF/dy y' = 0
-        squeezed = math.exp(state.y) / self.nominal_area
-        closing = squeezed * (area - state.area / self.nominal_area * nominal)
+        # F' = exp(y) / V0 (V' - V V0' / V0) - m_n' + (kappa Phi)' + dF/dy y' = 0
+        squeezed = math.exp(state.y) / self.nominal_volume
+        closing = squeezed * (volume - state.volume / self.nominal_volume * nominal)
         y = (before - closing - flowing) / state.slope
         # m' = m_n' - (kappa Phi)'
         mass = before - flowing - kappa * flow.by_density * y
         # p' = (p_a + p)(gamma y' + y gamma') + p / p_a p_a'
         grown = (self.outside + pressure) * (self.gamma * y + state.y * exponent)
         grown[columns[f"{self.label}_pressure"]] += pressure / self.outside
-        return grown, mass, area
+        return grown, mass, volume
 
     # ---- the path ----
 
@@ -285,7 +300,7 @@ class VentedAirTerm(TrappedAirTerm):
         if sum(self.times_between(step.fraction, target)) == 0.0:
             return []
         later = self._vented(response.x, target, response.history)
-        # dR = -(p(t + dt) - p(t)) g at fixed A
+        # dR = -(p(t + dt) - p(t)) g at fixed V
         change = self._pressure(later.y) - response.outputs[0, 0]
         every = np.ones(len(response.x), np.int64)
         return [self.point_loads(-change * later.by_index, every)]
@@ -301,18 +316,18 @@ def density(left: float, mass: float, kappa: float, gamma: float) -> float:
     Parameters
     ----------
     left : float
-        Area over that at the start, A / A0.
+        Volume over that at the start, V / V0.
     mass : float
         Fraction of the mass m_n at the beginning of the load step.
     kappa : float
-        C_d a c dt / A0, zero for no vents or no time.
+        C_d a c dt / V0, zero for no vents or no time.
     gamma : float
     """
-    # y is between that of the sealed hole, exp(y) = m_n A0 / A, and that outside, 0
+    # y is between that of the sealed hole, exp(y) = m_n V0 / V, and that outside, 0
     sealed = math.log(mass / left)
 
     def residual(y):
-        # exp(y) A / A0 - m_n, with the difference of small numbers by expm1
+        # exp(y) V / V0 - m_n, with the difference of small numbers by expm1
         return left * math.expm1(y) + (left - mass) + kappa * orifice_flow(y, gamma).value
 
     beyond = residual(sealed)

@@ -23,14 +23,16 @@ WEIGHTS = np.array([1, -8, 8, -1]) / 12.0
 """Of a central difference of fourth order at -2, -1, 1 and 2 steps."""
 
 
-def ring_particles():
-    """Layer by layer from the inside, rays counter-clockwise from straight down, shape (n, 2)."""
+def ring_particles(axis=None):
+    """Layer by layer from the inside, rays counter-clockwise from straight down, shape (n, 2); around a
+    point at the distance ``axis`` from the axis of a body of revolution."""
     angle = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False) - 0.5 * np.pi
     radius = np.linspace(INNER, OUTER, LAYERS)
-    return (radius[:, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])).reshape(-1, 2)
+    own = radius[:, None, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return own.reshape(-1, 2) + np.array([axis or 0.0, 0.0])
 
 
-def ring_body(solver="auto"):
+def ring_body(solver="auto", axis=None):
     at = np.arange(RAYS * LAYERS).reshape(LAYERS, RAYS)
     following = np.roll(at, -1, axis=1)
     corners = at[:-1], at[1:], following[1:], following[:-1]
@@ -38,8 +40,11 @@ def ring_body(solver="auto"):
     fixed[at[-1, [-2, -1, 0, 1, 2]]] = True
     edges = {"outer": Edge(at[-1, 3:-2], False), "cavity": Edge(at[0, ::-1], True)}
     cells = np.column_stack([c.ravel() for c in corners])
-    nominal = ring_particles()
-    return Body(cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal, solver=solver)
+    nominal = ring_particles(axis)
+    return Body(
+        cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal, solver=solver,
+        axisymmetric=axis is not None,
+    )  # fmt: skip
 
 
 def change_of_residual(result, rng) -> tuple:
@@ -62,11 +67,12 @@ def change_of_residual(result, rng) -> tuple:
 
 def air_ring(
     sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, finer=1, shear=0.4, rest=None,
-    **air,
+    axis=None, **air,
 ):  # fmt: skip
     """Design: thickness of the wall, an egg-shaped hole, one side of the hole. ``rest``: seconds of a
-    dwell between the two stages."""
-    particles, body = ring_particles(), ring_body(solver)
+    dwell between the two stages; ``axis``: distance of the middle from the axis of a body of
+    revolution."""
+    particles, body = ring_particles(), ring_body(solver, axis)
     radius = np.hypot(*particles.T)[:, None]
     away, (x, y) = particles / radius, particles.T
     share = (OUTER - radius) / (OUTER - INNER)
@@ -93,7 +99,7 @@ def air_ring(
     else:
         trapped = (TrappedAir("air", ring, **air),) if sealed else ()
     return sm.Seal(
-        particles, velocity, body,
+        body.nominal, velocity, body,
         (elastic_body(sm.MooneyRivlin(80.0, 20.0, 20_000.0)), plate, *trapped),
         sum(stage.steps for stage in stages),
         standard=(

@@ -50,20 +50,22 @@ def _seal(outline, spacing, pressure, close, steps, contacts, standard, end="end
     return seal.with_parameters({"fluid_pressure": pressure})
 
 
-def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4):
-    """The upper half of an O-ring between lids and before a wall; the fluid comes from the left."""
+def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4, axis=None):
+    """The upper half of an O-ring between lids and before a wall; the fluid comes from the left.
+    ``axis``: distance of the middle from the axis of a body of revolution."""
+    middle = axis or 0.0
     outline = Outline(Contour((
-        Arc((0.0, 0.0), RADIUS, 0.0, np.pi, "seal"),
-        Line((-RADIUS, 0.0), (RADIUS, 0.0), "middle"),
+        Arc((middle, 0.0), RADIUS, 0.0, np.pi, "seal"),
+        Line((middle - RADIUS, 0.0), (middle + RADIUS, 0.0), "middle"),
     )))  # fmt: skip
     law = ContactLaw(PENALTY, 1e-2 * PENALTY, 0.1, True)
-    beside = staged_motion([Stage(close + steps)], start=(WALL, 0.0), angle=-90.0)
+    beside = staged_motion([Stage(close + steps)], start=(middle + WALL, 0.0), angle=-90.0)
     wall = _flat("wall", beside, law)
     return _seal(
         outline, spacing, pressure, close, steps,
         [_lid(RADIUS, squeeze, close, steps, law), wall],
         (PeakPressure("lid"), Reaction("lid", name="on_lid"), Reaction("wall", name="on_wall")),
-        supports={"middle": (1,)},
+        supports={"middle": (1,)}, axisymmetric=axis is not None,
     )  # fmt: skip
 
 

@@ -87,7 +87,7 @@ def test_a_piston_reaches_its_stationary_pressure():
     for step in range(1, 201):
         response = term.respond(x * np.sqrt(1.0 - part * step), float(step), history)
         history = response.history
-    rate = part * term.nominal_area * speed
+    rate = part * term.nominal_volume * speed
     pressure = response.outputs[0, 0]
     y = np.log1p(pressure / term.outside) / term.gamma
     assert np.exp(y) * rate == pytest.approx(
@@ -104,7 +104,7 @@ def test_discharge_of_a_constant_volume_converges_to_the_solution_in_time(gamma)
     end = 0.7
     term, x = rigid(travel=(0.0, end), gamma=gamma)
     x, left = x * np.sqrt(0.5), 0.5
-    rate = term.conductance / (term.nominal_area * VENTS["closing_speed"])
+    rate = term.conductance / (term.nominal_volume * VENTS["closing_speed"])
 
     def leaving(_, mass):
         return [-rate * orifice_flow(np.log(mass[0] / left), gamma).value]
@@ -131,7 +131,7 @@ def test_the_root_of_a_small_pressure_falls_linearly_in_time(moving):
     for step in range(1, count + 1):
         response = term.respond(x, end * step / count, history)
         history = response.history
-    fall = 0.5 * 1.4 * term.conductance / term.nominal_area * end / VENTS["closing_speed"]
+    fall = 0.5 * 1.4 * term.conductance / term.nominal_volume * end / VENTS["closing_speed"]
     assert 0.1 < fall / np.sqrt(start) < 0.9
     left = np.sqrt(response.outputs[0, 0] / term.outside)
     assert left == pytest.approx(np.sqrt(start) - fall, rel=0.01)
@@ -191,7 +191,7 @@ def test_the_force_of_a_step_derives_from_the_work_on_the_air(rng):
 
 
 @pytest.mark.parametrize("time", [None, (0.0, 0.0, 0.003)])
-@pytest.mark.parametrize("row", ["force", "mass", "pressure", "area"])
+@pytest.mark.parametrize("row", ["force", "mass", "pressure", "volume"])
 def test_every_derivative_of_a_step(row, time, rng):
     """With respect to places, the mass before, parameters and undeformed places; in a step that takes
     the time of a travel, or of a travel and a duration."""
@@ -212,12 +212,12 @@ def test_every_derivative_of_a_step(row, time, rng):
         other, _ = rigid(travel=(0.0, 0.5, 1.0), time=time, **given)
         if which == "X":
             area, _ = polygon_area(other.reference + size * h * ways["X"])
-            other.nominal_area = other.orientation * area
+            other.nominal_volume = other.nominal_area = other.orientation * area
         before = history._replace(mass=history.mass + size * h * ways["mass"] * (which == "mass"))
         found = other.respond(x + size * h * ways["x"] * (which == "x"), 1.6, before)
         rows = {
             "force": found.force.ravel(), "mass": [found.history.mass],
-            "pressure": [found.outputs[0, 0]], "area": [found.outputs[0, 1]],
+            "pressure": [found.outputs[0, 0]], "volume": [found.outputs[0, 1]],
         }  # fmt: skip
         return np.asarray(rows[row], float)
 
@@ -226,7 +226,7 @@ def test_every_derivative_of_a_step(row, time, rng):
     rows = {
         "force": force, "mass": slice(passed.start, passed.start + 1),
         "pressure": slice(outputs.start, outputs.start + 1),
-        "area": slice(outputs.start + 1, outputs.stop),
+        "volume": slice(outputs.start + 1, outputs.stop),
     }  # fmt: skip
     local = term.linearize(term.respond(x, 1.6, history), 1.6, history)
     for which, columns in (
@@ -241,8 +241,8 @@ def test_every_derivative_of_a_step(row, time, rng):
             rates[columns] = ways[which].ravel()
         quotient = WEIGHTS @ np.array([moved(s, which) for s in (-2, -1, 1, 2)]) / h
         exact = (local @ rates[:, None])[rows[row], 0]
-        # the area depends on places alone
-        assert (np.abs(exact).max() > 1e-6) == (row != "area" or which == "x")
+        # the volume depends on places alone
+        assert (np.abs(exact).max() > 1e-6) == (row != "volume" or which == "x")
         np.testing.assert_allclose(
             exact, quotient, atol=1e-8 * max(np.abs(quotient).max(), 1e-2), err_msg=which
         )
@@ -275,8 +275,8 @@ def test_the_mass_of_the_air_is_balanced(squeezed):
         pressure, area = response.outputs[0]
         y = np.log1p(pressure / term.outside) / term.gamma
         time = np.diff(term.travel)[step] / VENTS["closing_speed"]
-        mass -= term.conductance * time / term.nominal_area * orifice_flow(y, term.gamma).value
-        assert mass == pytest.approx(area * np.exp(y) / term.nominal_area, rel=1e-12)
+        mass -= term.conductance * time / term.nominal_volume * orifice_flow(y, term.gamma).value
+        assert mass == pytest.approx(area * np.exp(y) / term.nominal_volume, rel=1e-12)
         assert mass == pytest.approx(response.history.mass, rel=1e-12)
     assert mass < 0.99
 
@@ -289,7 +289,7 @@ def test_a_cycle_loses_energy_and_ends_with_suction():
     assert found[:4].min() > 0.0 > found[-4:].min()
     # int p dA over the path: the trapezoidal rule on every step
     area = [
-        result.term("air").nominal_area,
+        result.term("air").nominal_volume,
         *(r.outputs[0, 1] for r in result.path.at_nominal("air")),
     ]
     pressure = np.append(0.0, found)

@@ -75,7 +75,9 @@ class CavityTable(Table):
         "diameter of round vents; default: no vents", None
     )
     vent_spacing: number("mm", above=0.0) | None = key(
-        "distance from one vent to the next along the strip", None
+        "distance from one vent to the next along the strip; in a body of revolution along the circle "
+        "of the centroid of the undeformed hole",
+        None,
     )
     closing_speed: number("mm/s", above=0.0) | None = key(
         "with vents: speed of the first moving profile along its path, in stages without duration",

@@ -54,12 +54,6 @@ def check_axisymmetric(file) -> None:
                 f"[material.{name}]: a compressible law is known in plane strain only; for "
                 f'kinematics = "{AXISYMMETRIC}" choose one with a bulk_modulus'
             )
-    for kind, given in (("cavity", file.cavities), ("fluid", file.fluids)):
-        if given:
-            raise SealFileError(
-                f'[[{kind}]]: pressure of air and fluids is known with kinematics = "{PLANE_STRAIN}" '
-                "only; leave the table out"
-            )
     for number, measure in enumerate(file.measures, 1):
         if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:
             what = measure.type if measure.type == "leak_rate" else "length"
@@ -95,11 +89,12 @@ def _check_section(outline: Outline) -> None:
 
 
 def _check_edges_on_axis(file) -> None:
-    """Refuse contact, designs and motions of edges on the axis."""
+    """Refuse contact, fluids, designs and motions of edges on the axis."""
     on_axis = set(axis_edges(file.section.outline))
     named = [(f"[[profile]] {i}: contact", own.contact) for i, own in enumerate(file.profiles, 1)]
     named += [(f"[[design]] {i}: edges", own.moving) for i, own in enumerate(file.designs, 1)]
     named += [(f"[[moved]] {i}: edges", own.edges) for i, own in enumerate(file.moved, 1)]
+    named += [(f"[[fluid]] {i}: edge", own.edges) for i, own in enumerate(file.fluids, 1)]
     if file.self_contact is not None:
         named.append(("[self_contact]: edges", file.self_contact.edges))
     for where, names in named:
