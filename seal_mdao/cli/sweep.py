@@ -133,6 +133,7 @@ def write_table(path: Path, name: str, rows: list[dict]) -> None:
 
 def vary(text: str) -> Values:
     """Parse values FROM:TO:COUNT for argparse."""
+    text = text.strip()
     try:
         # three numbers separated by colons
         first, last, count = text.split(":")
@@ -169,6 +170,6 @@ def arguments_parser():
         "name (friction, c10), the travel of a profile in mm (travel: that of its first stage, others "
         "in proportion), or a number of the file by its path (material.rubber.c10, section.spacing, "
         "profile.door.start.2; rows by their names or numbers). A wrong name lists what there is; "
-        "`seal-mdao keys` has all keys with their units; negative values begin with a space: ' -2:-1:3'",
+        "`seal-mdao keys` has all keys with their units",
     )  # fmt: skip
     return made

@@ -62,7 +62,9 @@ def _path_of(row, tables) -> str:
     ]  # fmt: skip
     # of one that stands still, and of edges, the first one that travels
     own = row.get("profile", tables["profile"][0]["name"])
-    return own if own in travelling and "edges" not in row else travelling[0]
+    if not travelling or (own in travelling and "edges" not in row):
+        return own
+    return travelling[0]
 
 
 def _remove(tables: dict, names) -> None:
@@ -74,4 +76,9 @@ def _remove(tables: dict, names) -> None:
         # a measure that is named by its type alone
         if name not in [row.get("name", row["type"]) for row in rows]:
             rows.append({"type": name})
-    tables["measure"] = [row for row in rows if row.get("name", row["type"]) not in names]
+    left = [row for row in rows if row.get("name", row["type"]) not in names]
+    if left:
+        tables["measure"] = left
+    else:
+        # an empty list of tables is an error of a file
+        del tables["measure"]

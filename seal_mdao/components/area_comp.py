@@ -12,11 +12,13 @@ class AreaComp(OffsetsComp):
 
     def setup_partials(self):
         super().setup_partials()
-        self.declare_partials("area", "boundary_offsets")
+        if self.options["seal"].n_offsets:
+            self.declare_partials("area", "boundary_offsets")
 
     def compute(self, inputs, outputs):
         outputs["area"] = self.options["seal"].area(self.checked_offsets(inputs))[0]
 
     def compute_partials(self, inputs, partials):
-        gradient = self.options["seal"].area(inputs["boundary_offsets"])[1]
-        partials["area", "boundary_offsets"] = gradient
+        if self.options["seal"].n_offsets:
+            gradient = self.options["seal"].area(inputs["boundary_offsets"])[1]
+            partials["area", "boundary_offsets"] = gradient

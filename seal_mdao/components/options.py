@@ -62,14 +62,23 @@ def declare_derivative_options(options) -> None:
 
 
 def add_boundary_offsets(component, seal: Seal) -> None:
-    """Add the input ``boundary_offsets``, shape (P,), mm: the design parameters of the shape."""
-    component.add_input(
-        "boundary_offsets",
-        val=np.zeros(seal.n_offsets),
-        units="mm",
-        desc="Design parameters of the shape. Door seal: spline control values along the rays, outer "
-        "boundary first; sections from outlines: along the nominal normals, edge after edge.",
-    )
+    """Add the input ``boundary_offsets``, shape (P,), mm: the design parameters of the shape.
+
+    A seal without design parameters has no such input: OpenMDAO has no partials of size zero.
+    """
+    if seal.n_offsets:
+        component.add_input(
+            "boundary_offsets",
+            val=np.zeros(seal.n_offsets),
+            units="mm",
+            desc="Design parameters of the shape. Door seal: spline control values along the rays, "
+            "outer boundary first; sections from outlines: along the nominal normals, edge after edge.",
+        )
+
+
+def boundary_offsets(inputs, seal: Seal) -> np.ndarray:
+    """Return the design parameters of the shape, shape (P,), mm; P may be zero."""
+    return inputs["boundary_offsets"] if seal.n_offsets else np.zeros(0)
 
 
 def add_parameters(component, seal: Seal, names) -> None:
@@ -79,10 +88,26 @@ def add_parameters(component, seal: Seal, names) -> None:
         component.add_input(name, val=value, units=units, desc=text)
 
 
+def check_parameters_by_differences(component, seal: Seal, names, step: float) -> None:
+    """Use central differences with a relative step for scalar parameters in ``check_partials``."""
+    for name in names:
+        # placements (mm, deg) are 0 in the nominal seal; a step relative to 0 is lost in rounding
+        least = None if seal.scalars[name].value else step
+        component.set_check_partial_options(
+            wrt=name,
+            method="fd",
+            form="central",
+            step=step,
+            step_calc="rel_avg",
+            minimum_step=least,
+        )
+
+
 class OffsetsComp(om.ExplicitComponent):
     """Base class of components whose only input is ``boundary_offsets``; complex step works as well.
 
-    Inadmissible offsets raise ``AnalysisError``.
+    Without design parameters there is no input, and the outputs are constant. Inadmissible offsets
+    raise ``AnalysisError``.
     """
 
     def initialize(self):
@@ -96,7 +121,7 @@ class OffsetsComp(om.ExplicitComponent):
 
     def checked_offsets(self, inputs) -> np.ndarray:
         """Return the offsets (P,), mm, after a check."""
-        offsets = inputs["boundary_offsets"]
+        offsets = boundary_offsets(inputs, self.options["seal"])
         with admissible_design():
             # limits apply to the real part; the imaginary part carries the complex step
             self.options["seal"].check_offsets(offsets.real)

@@ -11,6 +11,7 @@ from seal_mdao.components.options import (
     add_parameters,
     check_outputs,
     check_parameters,
+    check_parameters_by_differences,
     declare_seal_options,
 )
 from seal_mdao.components.random_directions import RandomDirectionsComp
@@ -23,7 +24,8 @@ PARTICLE_STEP = 2e-6
 relative rounding error of some 1e-11, and directions that differ between neighbouring particles have a
 large truncation error."""
 PARAMETER_STEP = 2e-5
-"""Relative step of ``check_partials`` in a scalar parameter, times a random number of 0.3 to 1."""
+"""Relative step of ``check_partials`` in a scalar parameter (absolute where its nominal value is 0),
+times a random number of 0.3 to 1."""
 BESIDE = ("particles", "boundary_offsets", "area")
 """Variables of this component, and of those beside it in a ``SealGroup``."""
 
@@ -73,12 +75,11 @@ class RkpmContactComp(RandomDirectionsComp):
     def setup_partials(self):
         # every measure depends on every particle and parameter
         self.declare_partials("*", "*")
-        check = {"method": "fd", "form": "central"}
-        self.set_check_partial_options(wrt="particles", step=PARTICLE_STEP, **check)
-        for name in self._parameters:
-            self.set_check_partial_options(
-                wrt=name, step=PARAMETER_STEP, step_calc="rel_avg", **check
-            )
+        self.set_check_partial_options(
+            wrt="particles", method="fd", form="central", step=PARTICLE_STEP
+        )
+        seal = self.options["seal"]
+        check_parameters_by_differences(self, seal, self._parameters, PARAMETER_STEP)
 
     def compute(self, inputs, outputs):
         self._failed = None

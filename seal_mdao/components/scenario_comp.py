@@ -9,9 +9,11 @@ from seal_mdao.components.options import (
     OPTIONAL,
     add_boundary_offsets,
     add_parameters,
+    boundary_offsets,
     check_callable,
     check_outputs,
     check_parameters,
+    check_parameters_by_differences,
     declare_derivative_options,
     declare_seal,
 )
@@ -27,7 +29,7 @@ POLICIES = ("raise", "leave_out")
 LEAST_LEFT = 2
 """Least number of completed scenarios, for the standard deviation."""
 CHECK_STEP = 1e-5
-"""Step of ``check_partials``: offsets in mm, parameters relative."""
+"""Step of ``check_partials``: offsets in mm, parameters relative, or absolute where nominally 0."""
 
 
 def declare_scenario_options(options) -> None:
@@ -92,11 +94,15 @@ class ScenarioComp(RandomDirectionsComp):
             )  # fmt: skip
 
     def setup_partials(self):
-        self.declare_partials("*", "*")
-        check = {"method": "fd", "form": "central", "step": CHECK_STEP}
-        self.set_check_partial_options(wrt="boundary_offsets", **check)
-        for name in self._named:
-            self.set_check_partial_options(wrt=name, step_calc="rel_avg", **check)
+        has_offsets = self._task.seal.n_offsets > 0
+        # a seal without design parameters has no inputs unless there are scalar ones
+        if has_offsets or self._named:
+            self.declare_partials("*", "*")
+        if has_offsets:
+            self.set_check_partial_options(
+                wrt="boundary_offsets", method="fd", form="central", step=CHECK_STEP
+            )
+        check_parameters_by_differences(self, self._task.seal, self._named, CHECK_STEP)
 
     def _check_admissible(self):
         """Raise ValueError for inadmissible scenarios before anything is analysed."""
@@ -132,7 +138,7 @@ class ScenarioComp(RandomDirectionsComp):
         gradients = found.gradients * (np.nan if self._too_many(found.failures) else 1.0)
         n = task.seal.n_offsets
         # columns of the gradients: boundary offsets first, then the scalar parameters of the task
-        columns_of = {"boundary_offsets": slice(0, n)} | {
+        columns_of = ({"boundary_offsets": slice(0, n)} if n else {}) | {
             name: slice(n + task.parameters.index(name), n + task.parameters.index(name) + 1)
             for name in self._named
         }
@@ -143,7 +149,8 @@ class ScenarioComp(RandomDirectionsComp):
 
     def _evaluated(self, inputs):
         self.refuse_complex_step()
-        offsets, design = np.array(inputs["boundary_offsets"], float), self._design(inputs)
+        offsets = np.array(boundary_offsets(inputs, self._task.seal), float)
+        design = self._design(inputs)
         # values and partials of one point come from one evaluation, identified by its inputs' bits
         key = offsets.tobytes(), tuple(design.values())
         if self._last is None or self._last[0] != key:

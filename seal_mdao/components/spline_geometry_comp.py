@@ -23,6 +23,8 @@ class SplineGeometryComp(OffsetsComp):
 
     def setup_partials(self):
         super().setup_partials()
+        if not self.options["seal"].n_offsets:
+            return
         # J = V^T, (2 n, P); boundary parameters move few particles, so only entries that are not zero
         velocity = self.options["seal"].design_velocity
         jacobian = velocity.reshape(len(velocity), -1).T

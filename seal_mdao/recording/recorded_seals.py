@@ -175,6 +175,9 @@ def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
     path, known = f"{name}." if name else "", {} if seal is None else seal.scalars
     component, arrays = _design_inputs(path, model.sources)
     scalars = [component + own for own in known if component + own in model.sources]
+    if seal is not None and not seal.n_offsets:
+        # without design parameters there is no input of offsets: they are known to be none
+        given = given | {t: np.zeros(0) for t in arrays if own_name(t) == "boundary_offsets"}
     units = ARRAYS | {own: scalar.units for own, scalar in known.items()}
     # inputs at every point by their own names, as far as they are known
     values = []
@@ -195,7 +198,8 @@ def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
 def _design_inputs(path: str, links: dict) -> tuple[str, list[str]]:
     """Return the component with the scalar inputs of a seal, and the inputs that define its shape."""
     component, of_scenarios = path + CONTACT, path + SCENARIOS
-    if f"{of_scenarios}boundary_offsets" in links:
+    # not by the offsets, which a seal without design parameters does not have
+    if any(target.startswith(of_scenarios) for target in links):
         return of_scenarios, [f"{of_scenarios}boundary_offsets"]
     arrays = [f"{component}particles"]
     # particles from elsewhere: the offsets are not their design

@@ -17,8 +17,13 @@ CREASES = 0.647
 """Stretch along a free surface below which it forms creases."""
 
 
-def creases(samples: Samples):
-    """Describe the most compressed free side of the boundary if it is below ``CREASES``, one line."""
+def creases(samples: Samples) -> str:
+    """Describe the most compressed free side of the boundary if it is below ``CREASES``; else empty.
+
+    Empty for compressible materials, such as sponge, too.
+    """
+    if not samples.keeps_volume:
+        return ""
     chains = samples.chains
     ends = chains[:, [0, -1]]
     # stretch of a side between two particles: |x_b - x_a| / |X_b - X_a|
@@ -27,14 +32,15 @@ def creases(samples: Samples):
     ]
     stretch = np.where(_touching(samples, chains, lengths[0]), np.inf, lengths[0] / lengths[1])
     worst = int(stretch.argmin())
-    if stretch[worst] < CREASES:
-        x, y = samples.undeformed[chains[worst, chains.shape[1] // 2]]
-        yield (
-            f"the free surface is compressed to {stretch[worst]:.2g} of its length where x = {x:.3g}, "
-            f"y = {y:.3g} undeformed: below {CREASES:.2g} rubber forms creases, which coarse particles "
-            "do not show, so finer ones may give another force or fail; use a larger radius there, or "
-            "less travel"
-        )
+    if not stretch[worst] < CREASES:
+        return ""
+    x, y = samples.undeformed[chains[worst, chains.shape[1] // 2]]
+    return (
+        f"the free surface is compressed to {stretch[worst]:.2g} of its length where x = {x:.3g}, "
+        f"y = {y:.3g} undeformed: below {CREASES:.2g} rubber forms creases, which coarse particles do "
+        "not show, so finer ones may give another force or fail; use a larger radius there, or less "
+        "travel"
+    )
 
 
 def _touching(samples: Samples, chains, lengths) -> np.ndarray:

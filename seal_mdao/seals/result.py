@@ -19,7 +19,9 @@ from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import take_path, without_factors
+from seal_mdao.seals.creases import creases
 from seal_mdao.seals.instabilities import Instability, instabilities
+from seal_mdao.seals.samples import Samples
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
@@ -27,6 +29,11 @@ FACTOR_MEMORY = 2.0
 """Memory for the factors that are cached for sensitivities, GiB."""
 KNOWN_PLACES = 256
 """Number of measures whose evaluation points are cached, the most recently used ones."""
+ADVICE = (
+    "Use more load steps (steps of a seal file, n_steps in Python), a shorter motion, a smaller normal "
+    "penalty, or a design nearer to the nominal seal"
+)
+"""For a path that could not be completed, where its cause is not known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,16 +237,13 @@ class SealResult:
         # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last of them was at {self.caption(done - 1)}." if done else ""
+        # a fold of a free surface ends the path whatever the load steps and penalties are
+        folded = creases(Samples(self.path)) if done else ""
+        advice = f"At the last converged load step {folded}" if folded else ADVICE
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
-            f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}"
-            f"{self.advice}"
+            f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}{advice}"
         )
-
-    advice = (
-        "Use more load steps (steps of a seal file, n_steps in Python), a shorter motion, a smaller "
-        "normal penalty, or a design nearer to the nominal seal"
-    )
 
     @property
     def end(self) -> ConvergedStep:

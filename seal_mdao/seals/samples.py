@@ -15,6 +15,10 @@ SHARES = (0.25, 0.5, 0.75)
 """Where the sides of the boundary are looked at between their ends."""
 
 
+KEEPS_VOLUME = 10.0
+"""Bulk modulus over the shear modulus above which a material is nearly incompressible."""
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Points of a body at the end of a path: its particles, and others between them.
@@ -103,6 +107,12 @@ class Samples:
         """Least and largest principal stretch in the middle of every cell, shape (m, 2)."""
         # the middles of the cells are the last points
         return self.stretches[-len(self.path.discretization.body.cells) :]
+
+    @property
+    def keeps_volume(self) -> bool:
+        """Whether all materials are nearly incompressible: K > 10 G."""
+        materials = [r.material for r in self.path.problem.term("structure").definition.regions]
+        return all(m.bulk_modulus > KEEPS_VOLUME * m.shear_modulus for m in materials)
 
     @cached_property
     def wall(self) -> float:

@@ -280,6 +280,30 @@ def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
     assert (out / "sweep.png").is_file()
 
 
+@pytest.mark.parametrize("given", ["-3:6", "-.5:6", "-1e-3:6", "-a:6:4"])
+def test_a_wrong_negative_range_is_named(given, capsys):
+    with pytest.raises(SystemExit):
+        main(["sweep", "x.toml", "--vary", "travel", given])
+    said = capsys.readouterr().err
+    # letters behind a minus are an option
+    wanted = "expected 2 arguments" if "a" in given else f"{given!r} is not FROM:TO:COUNT"
+    assert f"argument --vary: {wanted}" in said
+
+
+def test_a_sweep_of_the_travel_from_away_through_zero(bulb, tmp_path):
+    """Without travel, and away from the seal, the only measure of the file, at 0.6 mm, is left empty."""
+    text = bulb.read_text(encoding="utf-8")
+    text = text[: text.index("[[measure]]")] + '[[measure]]\ntype = "reaction"\ntravel = 0.6\n'
+    bulb.write_text(text, encoding="utf-8")
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "travel", "-0.6:0.6:3", "--out", str(out)]) == 0
+    away, still, closed = swept(out)
+    assert [float(row["door_travel"]) for row in (away, still, closed)] == [-0.6, 0.0, 0.6]
+    assert float(away["door_Fy_N_per_m"]) == float(still["door_Fy_N_per_m"]) == 0.0
+    assert still["reaction"] == ""
+    assert float(closed["reaction"]) > 0.0
+
+
 def swept(out):
     """Rows of the table of a sweep."""
     with (out / "sweep.csv").open(newline="") as file:
@@ -348,7 +372,7 @@ def test_a_sweep_of_the_travel_is_that_of_files_with_other_travels(bulb, tmp_pat
     [
         ("material.rubber.c10", "90:90:1", "c10 = 80.0", "c10 = 90.0", "kPa"),
         ("section.spacing", "1.5:1.5:1", "spacing = 1.8", "spacing = 1.5", "mm"),
-        ("profile.door.stage.1.translate.2", " -1.1:-1.1:1", "[0.0, -1.2]", "[0.0, -1.1]", "mm"),
+        ("profile.door.stage.1.translate.2", "-1.1:-1.1:1", "[0.0, -1.2]", "[0.0, -1.1]", "mm"),
         ("section.hole.1.circle.radius", "4.6:4.6:1", "radius = 4.5", "radius = 4.6", "mm"),
         ("section.layers", "5:5:1", "spacing = 1.8", "spacing = 1.8\nlayers = 5", ""),
     ],

@@ -250,7 +250,7 @@ BAD = {
     "holes overlap": (boxes((10, (0, 0)), (3, (2, 2)), (3, (4, 4))), "crosses hole 2, edge 'other'"),
     "one layer": (
         boxes((10, (0, 0)), (5, (2, 2)), layers=("seal", "seal")),
-        "the edge 'seal' is on the outer contour and on hole 1; an edge is one unbroken",
+        "the edge 'seal' is on the outer contour and on hole 1; an edge is one connected part",
     ),
 }  # fmt: skip
 

@@ -117,7 +117,7 @@ BAD = {
             s.named(name)
             for s, name in zip(lines(SQUARE).segments, ["a", "b", "a", "c"], strict=True)
         ])),
-        "the edge 'a' is in two stretches on the outer contour; an edge is one",
+        "the edge 'a' is in two parts on the outer contour; an edge is one connected part",
     ),
 }  # fmt: skip
 

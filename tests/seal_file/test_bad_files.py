@@ -152,7 +152,7 @@ BAD = {
     "fluid round both": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "base"]'),
                          "[[fluid]] 1: edge = seal, base is a closed curve"),
     "fluid apart": (FIXED, FIXED + FLUID.replace('"seal"', '["seal", "cavity"]'),
-                    "[[fluid]] 1: edge = seal, cavity is not one connected part of the boundary"),
+                    "[[fluid]] 1: edge = seal, cavity is not one connected part of the boundary; list"),
     "fluid untouched": (FIXED, FIXED + FLUID.replace('"seal"', '"base"'), "[[fluid]] 1: edge = base, "
                         "which no profile may touch, so nothing would hold the fluid back; edges that"),
     "fluid from nowhere": (FIXED, FIXED + FLUID.replace('from = "end"\n', ""),
@@ -548,3 +548,28 @@ def test_a_short_segment_of_a_section_of_usual_size_is_no_matter_of_units(tmp_pa
     path.write_text(text.replace(old, new))
     with pytest.raises(sm.SealFileError, match=r"only 0.001 mm long; .* longer than 0.01 mm$"):
         sm.read_seal_file(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("friction = 0.25", 'friction = { "1 side" = 0.2 }', "[[profile]] 1 ('door'): friction"),
+        (FIXED, f'{FIXED}[[moved]]\nedges = ["1 side"]\n', "[[moved]] 1: edges"),
+        (
+            FIXED,
+            f'{FIXED}[self_contact]\nfriction = 0.3\nedges = ["1 side"]\n'
+            '[[self_contact.pair]]\nedges = ["1 side", "1 side"]\nfriction = 0.1\n',
+            "[[self_contact.pair]] 1: edges",
+        ),
+    ],
+)
+def test_an_edge_whose_name_parameters_cannot_have(tmp_path, old, new, where):
+    text = BULB.replace('"seal"', '"1 side"').replace(old, new)
+    path = tmp_path / "side.toml"
+    path.write_text(text)
+    with pytest.raises(sm.SealFileError) as caught:
+        sm.read_seal_file(path)
+    assert (
+        f"{where}: parameters are named after the edge '1 side', which needs a name of letters"
+        in (str(caught.value))
+    )

@@ -13,9 +13,9 @@ from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.seals.file.chosen import chosen_ends, chosen_for
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.penalty_error import penalty_errors
+from seal_mdao.seals.refined_steps import difference, divided
 from seal_mdao.seals.result import analyze_particles, frozen_measures
 from seal_mdao.seals.steps_and_penalties import COARSE as COARSE_STEPS
-from seal_mdao.seals.steps_and_penalties import difference, divided
 
 OPEN = re.sub(r"steps = \d\n", "", COARSE)
 LISTED = COARSE.replace("steps = 6", "steps = [0.2, 0.3, 1]").replace("steps = 2", "steps = 1")
@@ -269,7 +269,7 @@ def cut_short(result):
 
 
 def test_a_tolerance_that_is_not_reached_is_told_with_the_file(tmp_path, monkeypatch):
-    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.ROUNDS", 1)
+    monkeypatch.setattr("seal_mdao.seals.refined_steps.ROUNDS", 1)
     file = read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-9\n")
     with pytest.raises(
         sm.SealFileError, match=r"seal\.toml: load steps within 1e-09 were not found"

@@ -9,18 +9,14 @@ from two_profiles import two_profiles
 import seal_mdao as sm
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
-from seal_mdao.seals import steps_and_penalties
+from seal_mdao.seals import raised_penalties, steps_and_penalties
 from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
+from seal_mdao.seals.refined_steps import divided, force_difference, measure_difference
 from seal_mdao.seals.result import analyze_particles
 from seal_mdao.seals.settings import seal_of
-from seal_mdao.seals.steps_and_penalties import (
-    choose,
-    divided,
-    force_difference,
-    measure_difference,
-)
+from seal_mdao.seals.steps_and_penalties import choose
 
 TOLERANCE = 5e-3
 SHORT = {"depth": 6.5, "start": 10.03}
@@ -195,14 +191,16 @@ def _raise_groups(monkeypatch, too_costly):
 
     replaced = {
         "_groups": lambda seal, names: [group for group in groups if group <= set(names)],
-        "_raised": lambda seal, names, tolerance: {name: 4.0 for name in names if seal[name] < 4.0},
-        "_too_costly": lambda result, before: too_costly(result),
-        "_own": lambda seal: seal,
+        "raised_penalties": lambda seal, names, tolerance: {
+            name: 4.0 for name in names if seal[name] < 4.0
+        },
+        "is_too_costly": lambda result, before: too_costly(result),
+        "with_own_parameters": lambda seal: seal,
     }
     for name, function in replaced.items():
-        monkeypatch.setattr(steps_and_penalties, name, function)
+        monkeypatch.setattr(raised_penalties, name, function)
     seal = Penalties(rigid=1.0, itself=1.0)
-    found, _ = steps_and_penalties._with_penalties(seal, seal, frozenset(seal), 1.0, run)
+    found, _ = raised_penalties.with_raised_penalties(seal, seal, frozenset(seal), 1.0, run)
     return dict(found), paths
 
 

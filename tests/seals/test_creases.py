@@ -1,11 +1,13 @@
 """A free surface that is compressed beyond the onset of creases is reported."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.analysis.path_result import Status
 from seal_mdao.cli.examples import examples_folder
 from seal_mdao.seals import creases
 from seal_mdao.seals.samples import Samples
@@ -32,7 +34,33 @@ def test_creases_in_the_inner_corner_of_a_bulb_are_reported(d_bulb):
 
 def test_bulb_that_bends_less_has_no_creases():
     """Its most compressed side has a stretch of 0.81."""
-    assert not list(creases.creases(Samples(analysed("sealed_bulb").path)))
+    assert not creases.creases(Samples(analysed("sealed_bulb").path))
+
+
+def ended(result, steps):
+    """The result of a path that ends early after a number of steps."""
+    path = replace(
+        result.path,
+        steps=result.path.steps[:steps],
+        status=Status.NOT_CONVERGED,
+        failure="load step",
+    )
+    return replace(result, path=path)
+
+
+def test_creases_are_the_cause_of_a_path_that_ends_in_them(d_bulb):
+    """As that of the same section with finer particles does, whatever its load steps are."""
+    failure = ended(d_bulb, len(d_bulb.path.steps)).failure
+    assert "the last converged load step the free surface is compressed to 0.55 of its" in failure
+    assert failure.endswith("use a larger radius there, or less travel")
+    assert "more load steps" not in failure
+
+
+@pytest.mark.parametrize("steps", [0, 5])
+def test_a_path_that_ends_before_creases_has_other_advice(d_bulb, steps):
+    failure = ended(d_bulb, steps).failure
+    assert "creases" not in failure
+    assert "Use more load steps" in failure
 
 
 def test_surface_in_contact_forms_no_creases(d_bulb, monkeypatch):
@@ -44,4 +72,4 @@ def test_surface_in_contact_forms_no_creases(d_bulb, monkeypatch):
     assert touching.any()
     assert height[touching].min() > 9.9
     monkeypatch.setattr(creases, "_touching", lambda *_: np.ones(len(chains), bool))
-    assert not list(creases.creases(samples))
+    assert not creases.creases(samples)

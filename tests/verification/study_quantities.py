@@ -13,14 +13,9 @@ from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.penalty_error import NORMAL, penalties_of
+from seal_mdao.seals.refined_steps import divided, force_difference, measure_difference
 from seal_mdao.seals.result import analyze
-from seal_mdao.seals.steps_and_penalties import (
-    STEP_TOLERANCE,
-    choose,
-    divided,
-    force_difference,
-    measure_difference,
-)
+from seal_mdao.seals.steps_and_penalties import STEP_TOLERANCE, choose
 from verification.difference_cases import away, case, estimate
 from verification.error_sources import (
     at_travels,

@@ -66,7 +66,7 @@ def _stretch(names, outline: Outline) -> tuple[Contour | None, bool]:
     for contour in outline.contours:
         every = contour.edge_names
         if set(names) <= set(every):
-            # a stretch begins once: at an edge that is named after one that is not
+            # a connected part begins once: at an edge that is named after one that is not
             starts = [n for i, n in enumerate(every) if n in names and every[i - 1] not in names]
             return contour if len(starts) <= 1 else None, not starts
     return None, False
@@ -201,12 +201,14 @@ def _check_fluids(file) -> None:
 
 
 def _check_fluid_edges(where: str, edges, file) -> None:
-    """Refuse edges of a fluid that are no stretch with two ends, or that no profile may touch."""
+    """Refuse edges of a fluid that are no connected part with two ends, or that no profile may touch."""
     check_edges(where, "edge", edges, file.section.outline)
     contour, all_round = _stretch(edges, file.section.outline)
     where = f"{where}: edge = {', '.join(edges)}"
     if contour is None:
-        raise SealFileError(f"{where} is not one connected part of the boundary")
+        raise SealFileError(
+            f"{where} is not one connected part of the boundary; list edges that follow one another"
+        )
     if all_round:
         raise SealFileError(
             f"{where} is a closed curve without ends; divide it where the fluid comes in and where it "

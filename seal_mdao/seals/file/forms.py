@@ -95,6 +95,9 @@ Text = Annotated[
 ]  # fmt: skip
 
 
+IDENTIFIER = "a name of letters, digits and _ that begins with no digit"
+
+
 def _identifier(value: str) -> str:
     if not value.isidentifier():
         raise ValueError
@@ -105,8 +108,19 @@ Name = Annotated[
     str,
     Strict(),
     AfterValidator(_identifier),
-    Form("a name of letters, digits and _ that begins with no digit"),
+    Form(IDENTIFIER),
 ]
+
+
+def unfit_edge_name(edge: str) -> str:
+    """Describe why parameters cannot be named after an edge; empty if they can."""
+    if edge.isidentifier():
+        return ""
+    return (
+        f"parameters are named after the edge {edge!r}, which needs {IDENTIFIER}; rename the edge"
+    )
+
+
 # names of edges; points in mm; penalties of contact
 Names = many(Text, 'a list of names, such as ["base"]')
 Point = point()

@@ -7,7 +7,7 @@ from pydantic import WrapValidator, model_validator
 
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.loads.moved_edges import MovedEdges
-from seal_mdao.seals.file.forms import Name, Names, many, one_of
+from seal_mdao.seals.file.forms import Name, Names, many, one_of, unfit_edge_name
 from seal_mdao.seals.file.profile_table import Place, Staged, StageTable, made_stage
 from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.outline.section_body import SectionBody
@@ -34,10 +34,9 @@ class MovedTable(Staged, Table):
     def _possible(self):
         # parameters have the name before theirs
         if self.name is None:
-            if not self.edges[0].isidentifier():
-                raise ValueError(
-                    f"the name of the edge {self.edges[0]!r} is no name of parameters; give a name"
-                )
+            unfit = unfit_edge_name(self.edges[0])
+            if unfit:
+                raise ValueError(f"edges: {unfit}, or give a name")
             object.__setattr__(self, "name", self.edges[0])
         for number, stage in enumerate(self.stages, 1):
             # a free direction cannot be moved, and a turn moves both

@@ -3,6 +3,7 @@
 import numpy as np
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.forms import unfit_edge_name
 from seal_mdao.seals.file.schema import known
 from seal_mdao.seals.outline.contours import JOIN, Outline
 
@@ -88,10 +89,8 @@ def check_friction_by_edge(where: str, profile) -> None:
     """Refuse friction of edges that the profile does not touch, or that leaves one out."""
     for name in profile.friction.names:
         known(where, "friction", name, profile.contact, "edge in contact")
-        if not name.isidentifier():
-            raise SealFileError(
-                f"{where}: friction of the edge {name!r}, whose name no parameter can have; rename it"
-            )
+        if unfit_edge_name(name):
+            raise SealFileError(f"{where}: friction: {unfit_edge_name(name)}")
     missing = [name for name in profile.contact if name not in profile.friction.names]
     if missing:
         raise SealFileError(f"{where}: friction has no coefficient of the edge {missing[0]!r}")
@@ -104,10 +103,8 @@ def check_pairs(self_contact) -> None:
         where = f"[[self_contact.pair]] {number}"
         for name in pair.edges:
             known(where, "edges", name, self_contact.edges, "edge in [self_contact]")
-            if not name.isidentifier():
-                raise SealFileError(
-                    f"{where}: the name of the edge {name!r} no parameter can have; rename it"
-                )
+            if unfit_edge_name(name):
+                raise SealFileError(f"{where}: edges: {unfit_edge_name(name)}")
         if frozenset(pair.edges) in seen:
             raise SealFileError(f"{where}: edges has a pair that {seen[frozenset(pair.edges)]} has")
         seen[frozenset(pair.edges)] = where

@@ -43,7 +43,7 @@ class MirrorPlane(NamedTuple):
 
 
 def stretches(boundaries) -> dict:
-    """Find the ``Stretch`` of every edge of boundaries by name; ValueError if it is not contiguous."""
+    """Find the ``Stretch`` of every edge of boundaries by name; ValueError if it is not connected."""
     found = {}
     for loop, boundary in enumerate(boundaries):
         edges = np.asarray(boundary.edge)
@@ -57,7 +57,10 @@ def stretches(boundaries) -> dict:
             if gap.size:
                 sides = np.roll(sides, -int(gap[0]) - 1)
             if name in found or (np.diff(sides) % edges.size != 1).any():
-                raise ValueError(f"the edge {name!r} is not one unbroken stretch of the boundary")
+                raise ValueError(
+                    f"the edge {name!r} is not one connected part of the boundary; give its second part "
+                    "a name of its own"
+                )
             found[name] = Stretch(loop, np.append(sides, (sides[-1] + 1) % edges.size), False)
     return found
 

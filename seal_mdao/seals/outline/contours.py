@@ -107,7 +107,7 @@ class Outline:
     Raises
     ------
     GeometryError
-        For a clockwise outer contour, an edge that is not contiguous, a contour that touches or crosses
+        For a clockwise outer contour, an edge that is not connected, a contour that touches or crosses
         itself or another one, a hole outside or within another hole, a body in another one's material.
     """
 
@@ -223,17 +223,18 @@ class Outline:
         seen = {}
         for contour, where in zip(self.contours, self.titles, strict=True):
             names = [segment.edge for segment in contour.segments]
-            # an edge is contiguous if its name begins only once over all contours
+            # an edge is connected if its name begins only once over all contours
             starts = [name for i, name in enumerate(names) if i == 0 or name != names[i - 1]]
             for name in starts:
                 if name in seen:
                     places = (
-                        f"in two stretches on {where}"
+                        f"in two parts on {where}"
                         if seen[name] == where
                         else f"on {seen[name]} and on {where}"
                     )
                     raise GeometryError(
-                        f"the edge {name!r} is {places}; an edge is one unbroken stretch: give the "
-                        "second one a name of its own (in a drawing, a layer of its own)"
+                        f"the edge {name!r} is {places}; an edge is one connected part of the "
+                        "boundary: give the second part a name of its own (in a drawing, a layer of its "
+                        "own)"
                     )
                 seen[name] = where

@@ -1,0 +1,145 @@
+"""Refine load steps until what their division changes is within a tolerance.
+
+Those steps are halved in which the last two paths drift apart. Where the penalties differ as well, their
+estimated effect on measures is taken off.
+"""
+
+import numpy as np
+
+from seal_mdao.seals.penalty_error import penalty_errors, scale_of, standard_measures
+from seal_mdao.seals.profiles import contacts, moved_edges
+from seal_mdao.seals.raised_penalties import (
+    CORRECTIONS,
+    is_too_costly,
+    raised_penalties,
+    with_own_parameters,
+)
+from seal_mdao.seals.result import SealResult
+
+ROUNDS = 10
+"""Largest number of times that the steps are divided."""
+
+
+def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolerance, run):
+    """Refine load steps and raise penalties until both errors are within their tolerances.
+
+    Returns the ends of the steps, the path, and its estimated error by the steps. The error is
+    estimated by the change in the last division, since it is at least of first order in the step size;
+    for steps that were not divided again, by their fraction of the drift before.
+    """
+    # e, drift of every step, remaining corrections of penalties
+    error, drift, corrections = np.inf, np.ones(len(ends)), CORRECTIONS
+    for _ in range(ROUNDS):
+        raised = raised_penalties(coarse, names, penalty_tolerance) if corrections else {}
+        if error <= tolerance and not raised:
+            return ends, coarse, error
+        # next path: divided steps, raised penalties
+        parts = _parts(error, drift, tolerance)
+        finer = divided(ends, parts)
+        stiffer = with_own_parameters(seal.with_parameters(raised)) if raised else seal
+        fine = run(stiffer, finer, 0)
+        # higher penalties that converge badly are given up
+        if raised and is_too_costly(fine, coarse):
+            stiffer, corrections = seal, 1
+            fine = run(seal, finer, 0)
+        fine.require_converged()
+        seal, corrections = stiffer, corrections - bool(raised)
+        # index of the matching fine step; steps that were not divided
+        at, whole = np.cumsum(parts) - 1, parts == 1
+        # error of steps not divided: e (sum of their drift) / (sum of all)
+        left = error * drift[whole].sum() / drift.sum() if whole.any() else 0.0
+        # e = left + |m(fine) - m(coarse)| / scale
+        error = left + difference(coarse, fine, at, by_penalties=bool(raised))
+        # half of the drift in either half of a divided step
+        drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
+        ends, coarse = finer, fine
+    raise ValueError(
+        f"load steps within {tolerance:g} were not found: {len(ends)} of them still err by {error:.2g}; "
+        "allow a larger tolerance or give the steps"
+    )
+
+
+def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return the number of parts of every load step: two where its drift is at least the mean."""
+    split = (drift >= drift.mean()) & (error > tolerance)
+    return np.where(split, 2, 1)
+
+
+def divided(ends: np.ndarray, parts) -> np.ndarray:
+    """Divide load steps into equal parts, one number for all or each; old ends stay the same bitwise."""
+    parts = np.broadcast_to(parts, len(ends))
+    # start + (end - start) i / n,  i = 1 ... n - 1, and the end itself
+    starts = np.concatenate([[0.0], ends[:-1]])
+    found = [
+        np.append(start + (end - start) * np.arange(1, n) / n, end)
+        for start, end, n in zip(starts, ends, parts, strict=True)
+    ]
+    return np.concatenate(found)
+
+
+def difference(
+    coarse: SealResult, fine: SealResult, at: np.ndarray, by_penalties: bool = False
+) -> float:
+    """Compute the largest relative difference of two paths: measures at the end, forces on the path.
+
+    Parameters
+    ----------
+    at : ndarray of int, shape (n_steps of coarse,)
+        Nominal steps of ``fine`` that end where those of ``coarse`` do.
+    by_penalties : bool
+        Whether the penalties differ too; their estimated effect on measures is subtracted.
+    """
+    return max(measure_difference(coarse, fine, by_penalties), force_difference(coarse, fine, at))
+
+
+def drifts(coarse: SealResult, fine: SealResult, at: np.ndarray) -> np.ndarray:
+    """Compute the displacement error that each step of ``coarse`` adds, shape (n_steps,), mm."""
+    # steps of both paths that end at the same load
+    matching = [fine.path.nominal_steps[index] for index in at]
+    apart = np.array([a.d - b.d for a, b in zip(coarse.path.nominal_steps, matching, strict=True)])
+    # growth of d_coarse - d_fine in each step
+    own = np.diff(apart, axis=0, prepend=0.0 * apart[:1])
+    return np.abs(own).max(axis=(1, 2))
+
+
+def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> float:
+    """Compute the largest relative difference of the total force on a rigid profile, or on moved edges,
+    along the path."""
+    found = [0.0]
+    moving = (*contacts(coarse.seal), *moved_edges(coarse.seal))
+    for label in dict.fromkeys(own.label for own in moving):
+        one, other = (result.path.reaction(label) for result in (coarse, fine))
+        # max |F_coarse - F_fine| / max |F_fine| along the path
+        scale = np.abs(other).max()
+        if scale > 0.0:
+            found.append(float(np.abs(one - other[at]).max() / scale))
+    return max(found)
+
+
+def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
+    """Compute the largest relative difference of the measures, at the points of ``fine``."""
+    worst, measures = 0.0, standard_measures(fine)
+    # expected change c/w_coarse - c/w_fine
+    known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
+    # a seal without contacts has no penalty errors
+    errors = fine.penalty_error
+    for measure in measures:
+        scale = errors[measure.name].scale if errors else scale_of(measure, fine)
+        if scale > 0.0:
+            # (m_coarse - m_fine - expected) / scale
+            apart = coarse.value(measure) - fine.value(measure) - known.get(measure.name, 0.0)
+            worst = max(worst, float(np.abs(apart).max(initial=0.0) / scale))
+    return worst
+
+
+def _changes_by_penalties(coarse: SealResult, fine: SealResult, measures) -> dict:
+    """Estimate the effect of penalties on measures: c/w of ``coarse`` minus c/w of ``fine``."""
+    other = fine.penalty_error
+    # over the same reference values
+    scales = {name: found.scale for name, found in other.items()}
+    one = penalty_errors(coarse, measures, scales)
+    return {
+        name: one[name].error - other[name].error
+        for name in one
+        if one[name].estimable and other[name].estimable
+    }
