@@ -1,14 +1,15 @@
 """Forces of bodies of revolution by axisymmetric finite elements of FElupe, which know nothing of
 seal_mdao.
 
-Not run by the tests. It writes the JSON files beside it, with the packages that ``felupe_contact`` names::
+Not run by the tests. It writes the JSON files beside it, with the packages that ``felupe_contact``
+names::
 
     OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 fe/bin/python felupe_rings.py ring_squeezed
 
-Elements, rubber and contact are those of ``felupe_contact``, with ``felupe.FieldAxisymmetric`` in place of
-plane strain. Meshes have the axial coordinate first and the radius second, as FElupe wants them; sections
-are drawn with the radius x first. The upper half of a ring is computed; y = 0 is a plane of symmetry.
-Lengths in mm, stresses in kPa, forces of the complete ring in N.
+Elements, rubber and contact are those of ``felupe_contact``, with ``felupe.FieldAxisymmetric`` in
+place of plane strain. Meshes have the axial coordinate first and the radius second, as FElupe wants them;
+sections are drawn with the radius x first. The upper half of a ring is computed; y = 0 is a plane of
+symmetry. Lengths in mm, stresses in kPa, forces of the complete ring in N.
 
 Contact pressure is nominal, at the nodes between elements as in ``felupe_pressure``,
 
@@ -107,7 +108,8 @@ BONDED = {
             section=f"disc of radius 10 mm and thickness {thickness} mm bonded to two flat plates",
             draw=rectangle(0.0, 10.0, 0.5 * thickness, False, 1.0), rubber=SOFT, friction=0.0,
             travel=[1e-3 * thickness, 0.1 * thickness, 0.2 * thickness], top=1e3, prescribed="y",
-            touched=lambda x, y: y > 1e6, sizes=[0.1 * thickness, 0.0715 * thickness, 0.05 * thickness], travel_factor=0.5,
+            touched=lambda x, y: y > 1e6, travel_factor=0.5,
+            sizes=[0.1 * thickness, 0.0715 * thickness, 0.05 * thickness],
         ),
     )
     for thickness in (2, 5)
@@ -284,7 +286,9 @@ def main(name):
         # twice the change by the last refinement, or that by steps or penalties
         "relative_uncertainty": [
             max(2.0 * abs(a), abs(b), abs(c))
-            for a, b, c in zip(*(changes[f"{k}_force_N"] for k in ("mesh", "steps", "penalty")))
+            for a, b, c in zip(
+                *(changes[f"{k}_force_N"] for k in ("mesh", "steps", "penalty")), strict=True
+            )
         ],
         "changes": changes,
         "meshes_N": {

@@ -1,0 +1,160 @@
+"""Bodies of revolution against exact solutions, axisymmetric finite elements and plane strain."""
+
+import numpy as np
+import pytest
+
+from verification.revolution import (
+    BULK,
+    C01,
+    C10,
+    free_stretch,
+    inflation_errors,
+    large_ring_force,
+    pressed_ring,
+    principal_stress,
+    radial_solution,
+)
+from verification.rings import (
+    DISCS,
+    apparent_modulus,
+    gent_lindley_modulus,
+    ring_errors,
+    ring_result,
+    stage_forces,
+)
+from verification.tolerances import TOLERANCES
+
+INNER = {"cylinder": 0.0, "ring": 1.0, "large ring": 50.0}
+"""Inner radii, mm: a body that touches the axis, and two that do not."""
+FILE_SHEAR, FILE_BULK = 200.0, 80000.0
+"""Moduli of the rubber of the seal files, kPa."""
+
+
+# ---- exact solutions ----
+
+
+def test_principal_stresses_are_derivatives_of_the_energy(rng):
+    """dW/dl_i by complex steps, and zero in the undeformed state."""
+
+    def energy(s):
+        one, two, J = sum(s**2), s[0] ** 2 * (s[1] ** 2 + s[2] ** 2) + (s[1] * s[2]) ** 2, s.prod()
+        isochoric = C10 * (one * J ** (-2 / 3) - 3) + C01 * (two * J ** (-4 / 3) - 3)
+        return isochoric + BULK / 2 * (J - 1) ** 2
+
+    stretch = rng.uniform(0.7, 1.4, 3)
+    slopes = [energy(stretch + 1e-30j * axis).imag / 1e-30 for axis in np.eye(3)]
+    np.testing.assert_allclose(principal_stress(*stretch), slopes, rtol=1e-12)
+    assert np.abs(principal_stress(1.0, 1.0, 1.0)).max() < 1e-12
+
+
+def test_free_cylinder_is_that_of_uniaxial_compression():
+    """P = 2 (C10 + C01 / l) (l - l^-2) of an incompressible rubber (Rivlin)."""
+    axial, bulk = 0.8, 1e8
+    s = free_stretch(axial, bulk)
+    exact = 2.0 * (C10 + C01 / axial) * (axial - axial**-2)
+    assert principal_stress(s, s, axial, bulk)[2] == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3], ids=["even", "uneven"])
+@pytest.mark.parametrize("body", INNER)
+def test_frictionless_compression_is_exact_with_averages(body, share, figure):
+    """A uniform state, h included, from a uniform pressure."""
+    errors = pressed_ring(INNER[body], share, "averages")
+    figure(f"pressed {body}: force", errors.force, TOLERANCES["ring_compression"])
+    figure(f"pressed {body}: pressure", errors.pressure, TOLERANCES["ring_compression"])
+
+
+@pytest.mark.parametrize("body", ["cylinder", "ring"])
+def test_frictionless_compression_with_particles(body, figure):
+    """The force is right to 3e-4; the pressure is not uniform, as in plane strain."""
+    errors = pressed_ring(INNER[body], 0.3, "particles")
+    figure(f"pressed {body}, contact at particles: force", errors.force, 5e-4)
+    assert errors.pressure > 0.1
+
+
+@pytest.mark.parametrize("kind", ["tube", "sphere"])
+def test_inflation_converges_in_second_order(kind, figure):
+    """A linear basis: the displacement falls with the square of the spacing."""
+    coarse, fine = (inflation_errors(kind, cells) for cells in (8, 16))
+    slope = np.log2(coarse.displacement / fine.displacement)
+    figure(f"inflated {kind}: order from 2", abs(slope - 2.0), 0.2)
+    figure(f"inflated {kind}, 16 cells: displacement", fine.displacement, 5e-4)
+    figure(f"inflated {kind}, 16 cells: force on the bore", fine.force, 1e-3)
+
+
+@pytest.mark.parametrize("kind", ["tube", "sphere"])
+def test_radial_solution_keeps_the_volume(kind):
+    """Nearly: r^(n+1) - R^(n+1) is constant for a bulk modulus a thousand times as large."""
+    power = {"tube": 2, "sphere": 3}[kind]
+    R = np.linspace(1.0, 2.0, 9)
+    shell = radial_solution(kind, 2e6)[0](R) ** power - R**power
+    assert np.ptp(shell) < 1e-3 * shell.mean()
+
+
+# ---- plane strain ----
+
+
+def test_large_rings_tend_to_plane_strain(figure):
+    """Force per mm of the mean circumference: the difference falls with the radius, slope one."""
+    plane = large_ring_force(None)
+    radii = 40.0 * 10.0 ** np.arange(4)
+    apart = np.array([abs(large_ring_force(r) / plane - 1.0) for r in radii])
+    slopes = np.log10(apart[:-1] / apart[1:])
+    figure("large rings: slope of the difference from one", np.abs(slopes - 1.0).max(), 0.02)
+    figure("ring of 10^4 times the section: force from plane strain", apart[-1], 1e-5)
+
+
+# ---- finite elements ----
+
+STAGES = {
+    "ring_disc_2": (0, 1),
+    "ring_disc_5": (0, 1),
+    "ring_squeezed": (0, 1),
+    "ring_sleeve": (0, 1),
+}
+"""Stages of which the finite elements are certain to 0.3 %."""
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_forces_of_seal_files(name, figure):
+    errors = ring_errors(name)
+    own = [*STAGES[name]]
+    assert errors.uncertainty[own].max() <= 4e-3
+    figure(f"{name}: force", np.abs(errors.force[own]).max(), TOLERANCES[name])
+
+
+@pytest.mark.parametrize(
+    ("name", "spacing"),
+    [
+        ("ring_squeezed", 0.2),
+        pytest.param("ring_sleeve", 0.3, marks=pytest.mark.long),
+        pytest.param("ring_disc_5", 0.3, marks=pytest.mark.long),
+    ],
+)
+def test_forces_converge(name, spacing, figure):
+    """Smaller particles give a smaller largest error, up to that of the elements."""
+    coarse, fine, own = ring_errors(name), ring_errors(name, spacing), [*STAGES[name]]
+    errors = np.abs(fine.force[own]) - fine.uncertainty[own]
+    assert errors.max() < np.abs(coarse.force[own]).max()
+    figure(f"{name}, {spacing} mm: force", np.abs(fine.force[own]).max(), 6e-3)
+
+
+def test_peak_pressure_of_an_o_ring(figure):
+    """At 20 % squeeze, with 12 and with 17 particles across the section."""
+    for spacing, bound in ((0.3, 3e-2), (0.2, 1e-2)):
+        peak = ring_errors("ring_squeezed", spacing).peak[-1]
+        figure(f"ring_squeezed, {spacing} mm: peak pressure", abs(peak), bound)
+
+
+@pytest.mark.parametrize("name", DISCS)
+def test_apparent_modulus_of_bonded_discs(name, figure):
+    """That of Gent and Lindley, for shape factors of 1 and 2.5 and 0.1 % of compression."""
+    found = apparent_modulus(name, stage_forces(ring_result(name))[0])
+    exact = gent_lindley_modulus(DISCS[name], FILE_SHEAR, FILE_BULK)
+    figure(f"{name}: apparent modulus", abs(found / exact - 1.0), TOLERANCES["gent_lindley"])
+
+
+def test_a_disc_beyond_the_limit_of_pressure_is_reported():
+    """Compressed by 20 %, the pressure in the thin disc is more than ten times the shear modulus."""
+    warnings = ring_result("ring_disc_2").warnings
+    assert any("inverted between the quadrature points" in text for text in warnings)
