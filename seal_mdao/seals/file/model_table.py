@@ -67,7 +67,7 @@ def check_axisymmetric(file) -> None:
 def _check_section(outline: Outline) -> None:
     """Refuse a section beyond the axis, or that touches it without an edge there."""
     tolerance, on_axis = _on(outline), axis_edges(outline)
-    ends = [(s.first, s.last) for name in on_axis for s in outline.edge(name)]
+    ends = [(s.start, s.end) for name in on_axis for s in outline.edge(name)]
     known = np.array(ends).reshape(-1, 2)
     for name in outline.edge_names:
         radii = _radii(outline, name)
@@ -79,7 +79,7 @@ def _check_section(outline: Outline) -> None:
         if name in on_axis:
             continue
         for segment in outline.edge(name):
-            for point in np.array([segment.first, segment.last], float):
+            for point in np.array([segment.start, segment.end], float):
                 apart = np.hypot(*(known - point).T).min(initial=np.inf)
                 if point[0] <= tolerance and apart > tolerance:
                     raise SealFileError(
