@@ -78,7 +78,7 @@ def _check_section(outline: Outline) -> None:
         if name in on_axis:
             continue
         for segment in outline.edge(name):
-            for point in (segment.start, segment.end):
+            for point in np.array([segment.start, segment.end], float):
                 apart = np.hypot(*(known - point).T).min(initial=np.inf)
                 if point[0] <= tolerance and apart > tolerance:
                     raise SealFileError(
