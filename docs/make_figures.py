@@ -45,6 +45,7 @@ GROUPS = {
     "drivers": "figures.drivers",
     "performance": "figures.performance",
     "tolerance_study": "figures.tolerance_study",
+    "revolution": "figures.revolution",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 

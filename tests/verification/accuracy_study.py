@@ -37,15 +37,20 @@ from verification.study_quantities import (
     chosen_steps,
     corner_error,
     difference,
+    disc_modulus,
     equal_steps,
     example_steps,
     file_errors,
+    inflated_error,
+    large_ring_error,
     limit_error,
     opened_gap,
     outline_error,
+    pressed_ring_error,
     refined_corner,
     refined_flat,
     refined_steps,
+    ring_error,
     section_error,
 )
 
@@ -93,6 +98,13 @@ AWAY_SEEDS, AWAY_PARAMETERS = (1, 3), (4, 9, 16, 25)
 REFINED_STEPS = {
     "incremental": (*STEPS, 800, 1600, 3200), "accumulated": (*STEPS, 4 * STEPS[-1]),
 }  # fmt: skip
+RINGS = {
+    "ring_disc_2": (0.2,), "ring_disc_5": (0.4, 0.3), "ring_squeezed": (0.3, 0.2),
+    "ring_sleeve": (0.4, 0.3, 0.2),
+}  # fmt: skip
+"""Spacings of bodies of revolution, mm: that of the file, then smaller ones."""
+DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}
+INNER, RING_RADII, WALL_CELLS = (0.0, 1.0), (40.0, 400.0, 4000.0, 40000.0), (4, 8, 16)
 FINEST = (232, 9)
 """Rays and layers, beyond what the tests run."""
 
@@ -149,6 +161,14 @@ def cases() -> dict:
             *({"parameter": p, "seed": None} for p in NOMINAL_PARAMETERS),
             *({"parameter": p, "seed": seed} for seed in AWAY_SEEDS for p in AWAY_PARAMETERS),
         ],
+        "ring_error": [{"name": n, "spacing": s} for n, own in RINGS.items() for s in own],
+        "disc_modulus": [{"name": n, "thickness": t} for n, t in DISCS.items()],
+        "pressed_ring_error": [
+            {"inner": r, "share": s, "kind": k}
+            for k in ("averages", "particles") for r in INNER for s in (0.0, 0.3)
+        ],
+        "inflated_error": [{"kind": k, "cells": n} for k in ("tube", "sphere") for n in WALL_CELLS],
+        "large_ring_error": [{"radius": r} for r in RING_RADII],
     }  # fmt: skip
 
 
@@ -157,7 +177,8 @@ FUNCTION = {
     for f in (
         worst_error, limit_error, bending_error, flat_errors, corner_error, opened_gap,
         section_error, equal_steps, chosen_steps, example_steps, outline_error, bulb_errors,
-        file_errors, refined_steps, refined_corner, refined_flat, difference,
+        file_errors, refined_steps, refined_corner, refined_flat, difference, ring_error,
+        disc_modulus, pressed_ring_error, inflated_error, large_ring_error,
     )
 }  # fmt: skip
 

@@ -36,6 +36,14 @@ from verification.flexure import bend_block
 from verification.outline_errors import flat_door_seal, reaction_error
 from verification.pressed_elements import CORNER
 from verification.ray_bulb import COMPARED, limit, ray_bulb
+from verification.revolution import inflation_errors, large_ring_force, pressed_ring
+from verification.rings import (
+    apparent_modulus,
+    gent_lindley_modulus,
+    ring_errors,
+    ring_result,
+    stage_forces,
+)
 from verification.seal_refinement import corner_level, flat_level
 from verification.step_refinement import refine_steps
 
@@ -172,3 +180,43 @@ def refined_flat(rays: int, layers: int) -> dict:
 def difference(parameter: int, seed: int | None) -> dict:
     """Derivatives of all measures of the nominal door seal, or a random one, by finite differences."""
     return estimate(case() if seed is None else away(seed), parameter)._asdict()
+
+
+# ---- bodies of revolution ----
+
+
+def ring_error(name: str, spacing: float) -> dict:
+    """Errors of the force and the peak pressure of a ring at the ends of its stages."""
+    errors, count = (
+        ring_errors(name, spacing),
+        len(ring_result(name, spacing).seal.nominal_particles),
+    )
+    # no pressure of bonded plates
+    peak = errors.peak[np.isfinite(errors.peak)]
+    return {
+        "particles": count, "force": errors.force, "peak": peak, "uncertainty": errors.uncertainty,
+    }  # fmt: skip
+
+
+def disc_modulus(name: str, thickness: float) -> dict:
+    """Apparent modulus of a bonded disc at 0.1 % of compression, and by Gent and Lindley, kPa."""
+    rubber = read_seal_file(REFERENCES / f"{name}.toml").materials["rubber"]
+    return {
+        "computed": apparent_modulus(name, stage_forces(ring_result(name))[0]),
+        "formula": gent_lindley_modulus(thickness, rubber.shear_modulus, rubber.bulk_modulus),
+    }
+
+
+def pressed_ring_error(inner: float, share: float, kind: str) -> dict:
+    """Errors of a ring below a smooth plate, against a uniform state."""
+    return pressed_ring(inner, share, kind)._asdict()
+
+
+def inflated_error(kind: str, cells: int) -> dict:
+    """Errors of an inflated tube or hemisphere."""
+    return inflation_errors(kind, cells)._asdict()
+
+
+def large_ring_error(radius: float) -> float:
+    """Relative difference of the force of a ring of this mean radius from that of plane strain."""
+    return large_ring_force(radius) / large_ring_force(None) - 1.0

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from seal_mdao.equilibrium.discretization import Edge
+from seal_mdao.terms.averaged_points import averaged_points
+from seal_mdao.terms.points import boundary_particles
 from verification.revolution import (
     BULK,
     C01,
@@ -62,6 +65,24 @@ def test_frictionless_compression_is_exact_with_averages(body, share, figure):
     errors = pressed_ring(INNER[body], share, "averages")
     figure(f"pressed {body}: force", errors.force, TOLERANCES["ring_compression"])
     figure(f"pressed {body}: pressure", errors.pressure, TOLERANCES["ring_compression"])
+
+
+@pytest.mark.parametrize("inner", [0.0, 1.0])
+def test_areas_of_contact_points(inner, figure):
+    """int N_I 2 pi R ds of the hat functions N_I of the particles, m mm."""
+    R = inner + np.array([0.0, 0.3, 0.5, 1.2, 1.4])
+    place, row = np.column_stack([R, np.ones(len(R))]), np.arange(len(R))[::-1]
+    points = boundary_particles(row, Edge(row, False).neighbours).around_axis()
+    # five points of every edge integrate R N_I exactly
+    g, w = np.polynomial.legendre.leggauss(5)
+    radius = (0.5 * (R[1:] + R[:-1])[:, None] + 0.5 * np.diff(R)[:, None] * g).ravel()
+    weight = (0.5 * np.diff(R)[:, None] * w).ravel() * 2e-3 * np.pi * radius
+    exact = np.array([weight @ np.interp(radius, R, hat) for hat in np.eye(len(R))])
+    found = points.measures(place)[::-1]
+    figure("areas of contact points", np.abs(found / exact - 1.0).max(), 1e-12)
+    averaged = averaged_points(row, Edge(row, False).neighbours, place, axisymmetric=True)
+    total = averaged.measures(place).sum() / exact.sum()
+    figure("areas of averages: sum", abs(total - 1.0), 1e-12)
 
 
 @pytest.mark.parametrize("body", ["cylinder", "ring"])

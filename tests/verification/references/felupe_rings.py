@@ -7,7 +7,7 @@ names::
     OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 fe/bin/python felupe_rings.py ring_squeezed
 
 Elements, rubber and contact are those of ``felupe_contact``, with ``felupe.FieldAxisymmetric`` in
-place of plane strain. Meshes have the axial coordinate first and the radius second, as FElupe wants them;
+place of plane strain. Meshes have the axial coordinate first, the radius second, as FElupe wants them;
 sections are drawn with the radius x first. The upper half of a ring is computed; y = 0 is a plane of
 symmetry. Lengths in mm, stresses in kPa, forces of the complete ring in N.
 
