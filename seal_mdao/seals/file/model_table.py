@@ -88,8 +88,9 @@ def _check_section(outline: Outline) -> None:
             for point in (segment.start, segment.end):
                 apart = np.hypot(*(known - point).T).min(initial=np.inf)
                 if point[0] <= tolerance and apart > tolerance:
+                    y = point[1] if abs(point[1]) > tolerance else 0.0
                     raise SealFileError(
-                        f"[section]: the edge {name!r} touches the axis at y = {point[1]:.4g}, where "
+                        f"[section]: the edge {name!r} touches the axis at y = {y:.4g}, where "
                         "no edge lies on the axis; end it at x > 0, or give the section an edge on "
                         "x = 0"
                     )

@@ -1,0 +1,61 @@
+"""Sections of bodies of revolution that touch the axis, or lie beyond it."""
+
+import pytest
+
+import seal_mdao as sm
+
+FILE = """
+[model]
+kinematics = "axisymmetric"
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 80000.0
+[section]
+material = "rubber"
+spacing = 0.5
+outer = [ {outer} ]
+[[moved]]
+edges = ["top"]
+stage = [{{ translate = [0.0, -0.1] }}]
+[[measure]]
+type = "reaction"
+"""
+BASE = '{{ edge = "top", line = [[{b}, 0.0], [{a}, 0.0]] }}'
+ARC = '{{ edge = "round", arc = {{ start = [{a}, 0.0], through = [{m}, {d}], end = [{b}, 0.0] }} }}'
+
+
+def half_disc(a, b):
+    """A file of the lower half of a disc between the radii ``a`` and ``b``."""
+    at = {"a": a, "b": b, "m": 0.5 * (a + b), "d": -0.5 * (b - a)}
+    return FILE.format(outer=", ".join(own.format(**at) for own in (ARC, BASE)))
+
+
+def read(tmp_path, text):
+    path = tmp_path / "ring.toml"
+    path.write_text(text, encoding="utf-8")
+    return sm.read_seal_file(path)
+
+
+def test_an_arc_beside_the_axis(tmp_path):
+    assert read(tmp_path, half_disc(1.0, 5.0)).axisymmetric
+
+
+def test_an_arc_that_touches_the_axis_is_refused(tmp_path):
+    with pytest.raises(sm.SealFileError, match=r"edge '\w+' touches the axis at y = 0,"):
+        read(tmp_path, half_disc(0.0, 4.0))
+
+
+def test_an_arc_beyond_the_axis_is_refused(tmp_path):
+    with pytest.raises(sm.SealFileError, match=r"goes to x = -1, beyond the axis"):
+        read(tmp_path, half_disc(-1.0, 3.0))
+
+
+def test_an_arc_that_ends_at_an_edge_on_the_axis(tmp_path):
+    """A quarter of a disc: its arc ends where the edge on the axis does."""
+    arc = "{ start = [0.0, -4.0], through = [2.8284271247, -2.8284271247], end = [4.0, 0.0] }"
+    outer = f'{{ edge = "round", arc = {arc} }}, {BASE.format(a=0.0, b=4.0)}, '
+    outer += '{ edge = "axis", line = [[0.0, 0.0], [0.0, -4.0]] }'
+    file = read(tmp_path, FILE.format(outer=outer))
+    assert file.supports["axis"] == (0,)
