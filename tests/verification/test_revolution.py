@@ -159,7 +159,7 @@ def test_forces_of_seal_files(name, figure):
     errors = ring_errors(name)
     own = [*STAGES[name]]
     assert errors.uncertainty[own].max() <= 4e-3
-    figure(f"{name}: force", np.abs(errors.force[own]).max(), TOLERANCES[name])
+    figure(f"{name}: force", np.abs(errors.force[own]).max(), TOLERANCES[name.rstrip("_25")])
 
 
 @pytest.mark.parametrize(
