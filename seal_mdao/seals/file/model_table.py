@@ -11,8 +11,8 @@ from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
-RADIAL = 0
-"""Component of displacement that is zero on the axis."""
+RADIAL, AXIAL = 0, 1
+"""Components of displacement: across the axis, where it is zero on it, and along it."""
 
 
 @table
