@@ -62,7 +62,7 @@ def constant_derivatives(material, t, j, h=None) -> np.ndarray:
 
 
 def von_mises(material, t, j, h=None) -> np.ndarray:
-    """Evaluate the von Mises stress, d/dT and d/dJ, shape (3, ...), and d/dh where h is given, (4, ...)."""
+    """Evaluate the von Mises stress, d/dT, d/dJ, shape (3, ...), and d/dh where h is given, (4, ...)."""
     if h is None:
         return material.von_mises(t, j)
     a, b = plane_state(t, j, h)

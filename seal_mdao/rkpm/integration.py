@@ -230,7 +230,7 @@ class CellTable:
         return self.circumferences * rates + around * self.weights
 
     def add_weight_seeds(self, weight_bar, x_bar) -> None:
-        """Apply the transpose of ``weight_rates``: seeds (n_cells, q, M) added to ``x_bar`` (n, 2, M)."""
+        """Apply the transpose of ``weight_rates``: seeds (n_cells, q, M) added to ``x_bar``."""
         particles = self.gauss.cloud.particles
         if self.axisymmetric:
             on_radius = CIRCUMFERENCE * (weight_bar * self.weights[..., None])

@@ -2,8 +2,8 @@
 
 They are the exact first and second derivatives of the energy of ``deformation``. The kernels know no
 material: they take the derivatives of W(T, J) at the quadrature points as arrays. In a body of
-revolution the strains have h as a fifth component, with the hoop row Phi / R of the table, and W(T, J, h)
-has more derivatives (``materials.hoop_stretch``):
+revolution the strains have h as a fifth component, with the hoop row Phi / R of the table, and
+W(T, J, h) has more derivatives (``materials.hoop_stretch``):
 
     P = 2 W_T F + W_J h cof F,    P_h = W_h + W_J det F,    J = h det F.
 """

@@ -1,6 +1,6 @@
 """The tables of a seal file, and the decisions that they make for its seal."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -96,7 +96,7 @@ class SealFile:
     terms: tuple[TermTable, ...] = ()
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
-    model: ModelTable = ModelTable()
+    model: ModelTable = field(default_factory=ModelTable)
 
     @property
     def axisymmetric(self) -> bool:
