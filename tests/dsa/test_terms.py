@@ -53,7 +53,7 @@ def test_lengths_add_up_to_the_free_boundary(nominal):
 def test_length_rates_against_central_differences(where, rng):
     points, x = where
     velocity = rng.standard_normal((3, *x.shape))
-    exact = points.length_rates(x, velocity)
+    exact = points.measure_rates(x, velocity)
     for p, v in enumerate(velocity):
         plus, minus = (points.lengths(x + s * 1e-5 * v) for s in (1, -1))
         np.testing.assert_allclose((plus - minus) / 2e-5, exact[:, p], atol=1e-8)
@@ -64,7 +64,7 @@ def test_length_seeds_are_the_transpose_of_their_rates(where, rng):
     velocity, seed = rng.standard_normal((3, *x.shape)), rng.standard_normal((len(points), 2))
     x_bar = np.zeros((*x.shape, 2))
     points.add_length_seeds(x, seed, x_bar)
-    exact = seed.T @ points.length_rates(x, velocity)
+    exact = seed.T @ points.measure_rates(x, velocity)
     np.testing.assert_allclose(np.einsum("aim,pai->mp", x_bar, velocity), exact, atol=1e-12)
 
 

@@ -59,9 +59,9 @@ def stage_forces(result) -> np.ndarray:
     """Force along the axis at the ends of the stages, N."""
     ends = leading_motion(result.seal).ends
     steps = [int(np.abs(ends - k).argmin()) for k in range(1, round(ends[-1]) + 1)]
-    label = (profile_histories(result) or [None])[0]
-    label = "plate" if label is None else label.label
-    return np.abs(result.path.reaction(label)[steps, 1])
+    # that of a profile, or of the moved edges of a bonded disc
+    labels = [own.label for own in profile_histories(result)] or ["plate"]
+    return np.abs(result.path.reaction(labels[0])[steps, 1])
 
 
 def stage_peaks(result, count: int) -> np.ndarray:

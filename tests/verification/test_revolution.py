@@ -7,9 +7,11 @@ from seal_mdao.equilibrium.discretization import Edge
 from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import boundary_particles
 from verification.revolution import (
+    BORE,
     BULK,
     C01,
     C10,
+    TUBE_HEIGHT,
     free_stretch,
     inflation_errors,
     large_ring_force,
@@ -103,6 +105,22 @@ def test_inflation_converges_in_second_order(kind, figure):
     figure(f"inflated {kind}, 16 cells: force on the bore", fine.force, 1e-3)
 
 
+def test_tube_of_a_seal_file(figure):
+    """Its bore is a moved edge, between planes of symmetry: displacement and force."""
+    radius, stress = radial_solution("tube")
+    force = -stress * 2e-3 * np.pi * BORE * TUBE_HEIGHT
+    errors = []
+    for spacing in (0.1, 0.05):
+        result = ring_result("ring_tube", spacing)
+        R, u = result.seal.nominal_particles[:, 0], result.path.displacement()
+        exact = np.column_stack([radius(R) - R, 0.0 * R])
+        errors.append(np.sqrt(((u - exact) ** 2).sum() / (exact**2).sum()))
+    figure("tube of a seal file: order from 2, if less", 2.0 - np.log2(errors[0] / errors[1]), 0.1)
+    figure("tube of a seal file: displacement", errors[1], 5e-5)
+    error = abs(-result.path.reaction("mandrel")[-1, 0] / force - 1.0)
+    figure("tube of a seal file: force on the bore", error, 1e-5)
+
+
 @pytest.mark.parametrize("kind", ["tube", "sphere"])
 def test_radial_solution_keeps_the_volume(kind):
     """Nearly: r^(n+1) - R^(n+1) is constant for a bulk modulus a thousand times as large."""
@@ -141,7 +159,7 @@ def test_forces_of_seal_files(name, figure):
     errors = ring_errors(name)
     own = [*STAGES[name]]
     assert errors.uncertainty[own].max() <= 4e-3
-    figure(f"{name}: force", np.abs(errors.force[own]).max(), TOLERANCES[name])
+    figure(f"{name}: force", np.abs(errors.force[own]).max(), TOLERANCES[name.rstrip("_25")])
 
 
 @pytest.mark.parametrize(

@@ -41,8 +41,7 @@ TOLERANCES = {
     "corner_gap": 2e-2,
     "corner_integral": 5e-2,
     "ring_compression": 1e-9,
-    "ring_disc_2": 1e-2,
-    "ring_disc_5": 1e-2,
+    "ring_disc": 1e-2,
     "ring_squeezed": 5e-3,
     "ring_sleeve": 1e-2,
     # Gent and Lindley's formula is an approximation, and so is its bulk modulus in series

@@ -10,7 +10,7 @@ from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.model_table import check_axisymmetric
+from seal_mdao.seals.file.model_table import AXIAL, check_axisymmetric
 from seal_mdao.seals.file.prescribed_edges import (
     check_edges,
     check_friction_by_edge,
@@ -352,6 +352,9 @@ def _check_bodies_held(file, gaps) -> None:
     # edges in a plane of symmetry hold nothing along it
     planes = {name for plane in file.symmetries for name in plane.edges}
     fixed = set(file.supports) - planes
+    if file.axisymmetric:
+        # a ring holds its radius itself; it can only move along the axis
+        fixed = {name for name, held in file.supports.items() if AXIAL in held}
     for number, contours in enumerate(outline.bodies, 1):
         names = {name for contour in contours for name in contour.edge_names}
         if names & fixed:

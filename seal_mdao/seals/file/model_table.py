@@ -10,8 +10,8 @@ from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
-RADIAL = 0
-"""Component of displacement that is zero on the axis."""
+RADIAL, AXIAL = 0, 1
+"""Components of displacement: across the axis, where it is zero on it, and along it."""
 
 
 @table
@@ -81,8 +81,9 @@ def _check_section(outline: Outline) -> None:
             for point in np.array([segment.start, segment.end], float):
                 apart = np.hypot(*(known - point).T).min(initial=np.inf)
                 if point[0] <= tolerance and apart > tolerance:
+                    y = point[1] if abs(point[1]) > tolerance else 0.0
                     raise SealFileError(
-                        f"[section]: the edge {name!r} touches the axis at y = {point[1]:.4g}, where "
+                        f"[section]: the edge {name!r} touches the axis at y = {y:.4g}, where "
                         "no edge lies on the axis; end it at x > 0, or give the section an edge on "
                         "x = 0"
                     )
