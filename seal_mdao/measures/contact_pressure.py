@@ -18,6 +18,7 @@ from seal_mdao.measures.boundary_line import (
     contact_fractions,
     ordered_points,
 )
+from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
@@ -27,7 +28,8 @@ from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
 class ContactWidth(Measure):
     """Length of the deformed boundary that is in contact at the end of the path.
 
-    The gap is taken as linear between neighbouring contact points, so that the width is continuous.
+    Its ends lie between contact points and follow from the pressure of the last point in contact and
+    the gap of the next one (``boundary_line.contact_fractions``).
 
     Attributes
     ----------
@@ -51,22 +53,30 @@ class ContactWidth(Measure):
         return float(result.term(self.profile).length.mean())
 
     def evaluate(self, result, partials):
-        where = result.term(self.profile).where
-        order = ordered_points(where)
-        line = BoundaryLine(where, order, result.particles if self.nominal else result.deformed())
-        fraction, by_a, by_b = contact_fractions(result.response(self.profile).gap[order])
+        term = result.term(self.profile)
+        order, modulus = ordered_points(term.where), ContactModulus(result, self.profile)
+        line = BoundaryLine(
+            term.where, order, result.particles if self.nominal else result.deformed()
+        )
+        gap, penalty = result.response(self.profile).gap[order], term.law.normal_penalty
+        ends = contact_fractions(gap, line.length, modulus.values[order], penalty)
         on_gap = partials.output(self.profile, "gap")[0]
-        # width = sum_k L_k phi_k(g_k, g_(k+1)) with the fractions in contact phi_k
-        on_gap[order[:-1]] += line.length * by_a
-        on_gap[order[1:]] += line.length * by_b
+        # width = sum_k L_k phi_k(g_k, g_(k+1), ln(E* / (w_n L_k))), phi_k the fraction in contact
+        np.add.at(on_gap, order[:-1], line.length * ends.by_first)
+        np.add.at(on_gap, order[1:], line.length * ends.by_second)
+        by_log = line.length * ends.by_log
+        partials.parameter(term.names[0])[0] -= by_log.sum() / penalty
+        on_modulus, closed = np.zeros(len(term.where)), order[ends.closed]
+        np.add.at(on_modulus, closed, by_log / modulus.values[closed])
+        modulus.add_partials(partials, 0, on_modulus)
         on_line = np.zeros_like(result.particles)
-        # dwidth/dL_k = phi_k, by way of the particles
-        line.add_partials(fraction, on_line)
+        # dwidth/dL_k = phi_k - dphi_k/d ln(E*), by way of the particles
+        line.add_partials(ends.fraction - ends.by_log, on_line)
         if self.nominal:
             partials.particles[0] += on_line
         else:
             add_deformed_seeds(partials, 0, on_line)
-        return line.length @ fraction
+        return line.length @ ends.fraction
 
 
 @dataclass(frozen=True)
