@@ -203,9 +203,10 @@ def contact_positions(result, label: str) -> np.ndarray:
     return result.term(label).where.points.at(result.particles)
 
 
-def side_lengths(result, label: str) -> np.ndarray:
-    """Compute undeformed lengths between neighbouring contact points, shape (k - 1,), mm."""
-    return np.hypot(*np.diff(contact_positions(result, label), axis=0).T)
+def arc_length(result, label: str) -> np.ndarray:
+    """Compute the undeformed arc length of the contact points from the first one, shape (k,), mm."""
+    sides = np.hypot(*np.diff(contact_positions(result, label), axis=0).T)
+    return np.concatenate([[0.0], np.cumsum(sides)])
 
 
 def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
