@@ -8,11 +8,11 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.seals.cavities import cavity_pressures
 from seal_mdao.seals.profiles import (
+    arc_length,
     contact_positions,
     contacts,
     moving_histories,
     nominal_pressure,
-    side_lengths,
     true_pressure,
 )
 
@@ -68,8 +68,7 @@ def write_contact(result, folder, steps=None) -> list[Path]:
     steps, written = result.key_steps() if steps is None else steps, []
     for contact in contacts(result.seal):
         points, rows = contact_positions(result, contact.label), []
-        # undeformed arc length from the first contact point
-        arc = np.concatenate([[0.0], np.cumsum(side_lengths(result, contact.label))])
+        arc = arc_length(result, contact.label)
         for step in steps:
             response = result.path.at_nominal(contact.label)[step]
             words = [STATE_NAMES.get(state, "stick") for state in response.state]

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -60,28 +61,77 @@ def ordered_points(where) -> np.ndarray:
     return np.append(every, 0) if is_closed(where) else every
 
 
-def contact_fractions(gap: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compute the fraction in contact of every segment between contact points, with linear gaps.
+class ContactFractions(NamedTuple):
+    """Fractions in contact of the segments between contact points, with their derivatives.
+
+    Attributes
+    ----------
+    fraction, by_first, by_second : ndarray, shape (k - 1,)
+        phi, and its derivatives in the gaps at both ends.
+    by_log : ndarray, shape (k - 1,)
+        Derivatives in ln E*; those in ln w_n and ln L are the same with the other sign.
+    closed : ndarray of int, shape (k - 1,)
+        Index, from 0 to k - 1, of the point in contact of a segment in which the contact ends.
+    """
+
+    fraction: np.ndarray
+    by_first: np.ndarray
+    by_second: np.ndarray
+    by_log: np.ndarray
+    closed: np.ndarray
+
+
+def contact_fractions(gap, length, modulus, penalty: float) -> ContactFractions:
+    """Compute which fraction of each segment between contact points is in contact, with derivatives.
+
+    Near the end of a smooth contact the pressure falls with the square root of the distance d, and the
+    gap grows with its power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 4.2),
+
+        p = K d^(1/2),    g = 4 K d^(3/2) / (3 E*).
+
+    The pressure p of the point in contact and the gap g of the open one determine K and the end of the
+    contact: p = K (phi L)^(1/2) and g = 4 K [(1 - phi) L]^(3/2) / (3 E*). With
+    c = [3 E* g / (4 p L)]^(2/3) the fraction in contact phi = psi^3 of the segment solves
+    psi^3 + c psi = 1.
 
     Parameters
     ----------
     gap : ndarray, shape (k,)
-
-    Returns
-    -------
-    fraction, by_first, by_second : ndarray, shape (k - 1,)
-        The fraction, and its derivatives in the gaps at both ends.
+        Gaps in order along the boundary; p = w_n |g| in contact.
+    length : ndarray, shape (k - 1,)
+        L, mm.
+    modulus : ndarray, shape (k,)
+        E* = E / (1 - nu^2) at the points, kPa.
+    penalty : float
+        w_n, kPa/mm.
     """
     a, b = gap[:-1], gap[1:]
-    difference = np.where((a < 0.0) != (b < 0.0), a - b, 1.0)
-    fraction = np.where((a < 0.0) & (b < 0.0), 1.0, 0.0)
-    first, last = (a < 0.0) & (b >= 0.0), (a >= 0.0) & (b < 0.0)
-    fraction = np.where(first, a / difference, np.where(last, -b / difference, fraction))
-    # phi = a / (a - b) for a < 0 <= b, -b / (a - b) for b < 0 <= a
-    # dphi/da = -b / (a - b)^2 and b / (a - b)^2,  dphi/db = a / (a - b)^2 and -a / (a - b)^2
-    by_a = np.where(first, -b, np.where(last, b, 0.0)) / difference**2
-    by_b = np.where(first, a, np.where(last, -a, 0.0)) / difference**2
-    return fraction, by_a, by_b
+    first = (a < 0.0) & (b >= 0.0)
+    ends = first | ((a >= 0.0) & (b < 0.0))
+    pressed, opened = (np.where(ends, own, 1.0) for own in (-np.minimum(a, b), np.maximum(a, b)))
+    closed = np.arange(len(a)) + ~first
+    c = (0.75 * modulus[closed] * opened / (penalty * pressed * length)) ** (2.0 / 3.0)
+    psi = _root(c)
+    # dphi/dc = -3 phi / (3 psi^2 + c),  dc/c = 2/3 d ln(E* g / (w_n |g_c| L))
+    phi = np.where(ends, psi**3, (a < 0.0) & (b < 0.0))
+    by_log = np.where(ends, -2.0 * c * phi / (3.0 * psi**2 + c), 0.0)
+    by_open = np.divide(by_log, opened, out=np.zeros_like(c), where=opened > 0.0)
+    # |g_c| = -g of the point in contact
+    by_closed = by_log / pressed
+    by_a, by_b = np.where(first, by_closed, by_open), np.where(first, by_open, by_closed)
+    return ContactFractions(phi, by_a, by_b, by_log, closed)
+
+
+def _root(c: np.ndarray) -> np.ndarray:
+    """Solve psi^3 + c psi = 1 for c >= 0."""
+    # 2 (c/3)^(1/2) sinh(asinh(3/2 3^(1/2) c^(-3/2)) / 3), which 1 - c/3 is for small c
+    large = np.maximum(c, 1e-9)
+    x = 1.5 * np.sqrt(3.0) * large**-1.5
+    psi = np.where(
+        c < 1e-9, 1.0 - c / 3.0, 2.0 * np.sqrt(large / 3.0) * np.sinh(np.arcsinh(x) / 3.0)
+    )
+    # a step of Newton's method takes rounding off
+    return psi - (psi**3 + c * psi - 1.0) / (3.0 * psi**2 + c)
 
 
 def add_deformed_seeds(partials, row: int, on_deformed: np.ndarray) -> None:

@@ -14,10 +14,12 @@ import numpy as np
 
 from seal_mdao.measures.boundary_line import (
     BoundaryLine,
+    ContactFractions,
     add_deformed_seeds,
     contact_fractions,
     ordered_points,
 )
+from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
@@ -27,7 +29,8 @@ from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
 class ContactWidth(Measure):
     """Length of the deformed boundary that is in contact at the end of the path.
 
-    The gap is taken as linear between neighbouring contact points, so that the width is continuous.
+    Its ends lie between contact points and follow from the pressure of the last point in contact and
+    the gap of the next one (``boundary_line.contact_fractions``).
 
     Attributes
     ----------
@@ -52,21 +55,39 @@ class ContactWidth(Measure):
 
     def evaluate(self, result, partials):
         where = result.term(self.profile).where
-        order = ordered_points(where)
-        line = BoundaryLine(where, order, result.particles if self.nominal else result.deformed())
-        fraction, by_a, by_b = contact_fractions(result.response(self.profile).gap[order])
+        particles = result.particles if self.nominal else result.deformed()
+        line = BoundaryLine(where, ordered_points(where), particles)
+        ends = self.ends(result, line)
+        return self.add_length(result, line, ends, np.ones(line.length.size, bool), partials)
+
+    def ends(self, result, line: BoundaryLine) -> ContactFractions:
+        """Compute the fractions in contact of the segments of the complete boundary."""
+        modulus = ContactModulus(result, self.profile).values
+        gap, law = result.response(self.profile).gap, result.term(self.profile).law
+        on = line.stretch
+        return contact_fractions(gap[on], line.length, modulus[on], law.normal_penalty)
+
+    def add_length(self, result, line, ends: ContactFractions, chosen, partials) -> float:
+        """Compute the length in contact of the ``chosen`` segments (k - 1,), and add its derivatives."""
+        term, modulus = result.term(self.profile), ContactModulus(result, self.profile)
+        order, length = line.stretch, line.length * chosen
         on_gap = partials.output(self.profile, "gap")[0]
-        # width = sum_k L_k phi_k(g_k, g_(k+1)) with the fractions in contact phi_k
-        on_gap[order[:-1]] += line.length * by_a
-        on_gap[order[1:]] += line.length * by_b
+        # width = sum_k L_k phi_k(g_k, g_(k+1), ln(E* / (w_n L_k))), phi_k the fraction in contact
+        np.add.at(on_gap, order[:-1], length * ends.by_first)
+        np.add.at(on_gap, order[1:], length * ends.by_second)
+        by_log = length * ends.by_log
+        partials.parameter(term.names[0])[0] -= by_log.sum() / term.law.normal_penalty
+        on_modulus, closed = np.zeros(len(term.where)), order[ends.closed]
+        np.add.at(on_modulus, closed, by_log / modulus.values[closed])
+        modulus.add_partials(partials, 0, on_modulus)
         on_line = np.zeros_like(result.particles)
-        # dwidth/dL_k = phi_k, by way of the particles
-        line.add_partials(fraction, on_line)
+        # dwidth/dL_k = phi_k - dphi_k/d ln(E*), by way of the particles
+        line.add_partials((ends.fraction - ends.by_log) * chosen, on_line)
         if self.nominal:
             partials.particles[0] += on_line
         else:
             add_deformed_seeds(partials, 0, on_line)
-        return line.length @ fraction
+        return length @ ends.fraction
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.measures.boundary_line import add_deformed_seeds
+from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.contact_pressure import PointPressures
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.roughness import Roughness
@@ -129,7 +130,7 @@ class _Leak:
     """
 
     def __init__(self, measure: LeakRate, result):
-        self.measure, self.structure = measure, result.term("structure")
+        self.measure, self.modulus = measure, ContactModulus(result, measure.profile)
         self.points = PointPressures(result, measure.profile, nominal=False)
         self.where, self.deformed = result.term(measure.profile).where, result.deformed()
         self.pressed = np.flatnonzero(self.points.value > 0.0)
@@ -185,38 +186,19 @@ class _Leak:
 
     # ---- plane strain modulus of the rubber ----
 
-    def _regions(self) -> np.ndarray:
-        """Fraction of every contact point that belongs to each region of material, shape (k, r)."""
-        anchors, weights = self.where.points.anchors, self.where.points.weights
-        numbers = np.arange(len(self.structure.definition.regions))
-        belongs = self.structure.particle_regions[anchors][..., None] == numbers
-        return np.einsum("ka,kar->kr", weights, belongs)
-
     def _moduli(self) -> np.ndarray:
         """E / (1 - nu^2) at every contact point, shape (k,)."""
         if self.measure.modulus is not None:
             return np.full(len(self.where), self.measure.modulus)
-        found = self._regions()
-        moduli = np.zeros(found.shape[1])
-        for number in np.flatnonzero(found[self.pressed].any(axis=0)):
-            material = self.structure.definition.regions[number].material
-            _incompressible(self.measure.name, material)
-            # E / (1 - nu^2) = 4 G for nu = 1/2
-            moduli[number] = 4.0 * material.shear_modulus
-        return found @ moduli
+        for number in np.flatnonzero(self.modulus.shares[self.pressed].any(axis=0)):
+            _incompressible(self.measure.name, self.modulus.regions[number].material)
+        return self.modulus.values
 
     def _add_moduli(self, partials, by_modulus) -> None:
         if self.measure.modulus is not None:
             partials.parameter(f"{self.measure.name}_modulus")[0] += by_modulus.sum()
-            return
-        regions = self.structure.definition.regions
-        for region, on_region in zip(
-            regions, by_modulus @ self._regions()[self.pressed], strict=True
-        ):
-            # G = 2 W_T at T = 2, J = 1
-            slopes = region.material.constant_derivatives(np.array(2.0), np.array(1.0))[:, 0]
-            for name, slope in zip(region.names, slopes, strict=True):
-                partials.parameter(name)[0] += on_region * 8.0 * slope
+        else:
+            self.modulus.add_partials(partials, 0, self._every(by_modulus))
 
 
 def _incompressible(name: str, material) -> None:

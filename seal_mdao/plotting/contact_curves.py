@@ -20,10 +20,10 @@ from seal_mdao.plotting.style import (
     subplots,
 )
 from seal_mdao.seals.profiles import (
+    arc_length,
     contacts,
     leading_contact,
     nominal_pressure,
-    side_lengths,
     true_pressure,
 )
 from seal_mdao.seals.result import SealResult
@@ -38,11 +38,6 @@ PRESSURE_BEYOND, GAP_BEYOND = 2, 3
 LEAST_SCALE = 0.02
 """Least upper limit of the axis of gaps, mm."""
 ARC_LENGTH = "undeformed arc length along the contact with {} (mm)"
-
-
-def arc_length(result: SealResult, label: str) -> np.ndarray:
-    """Compute the undeformed arc length of the contact points from the first one, shape (k,), mm."""
-    return np.concatenate([[0.0], np.cumsum(side_lengths(result, label))])
 
 
 def _shown(touching: np.ndarray, beyond: int) -> slice:
@@ -137,8 +132,8 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     """
     figure, axes = subplots(width=7.6, height=4.2)
     label = leading_contact(result.seal).label if profile is None else profile
-    s, responses = arc_length(result, label), result.path.at_nominal(label)
-    gap, state = responses[-1].gap, responses[-1].state
+    s, gap = result.gap_profile(label)
+    state = result.path.at_nominal(label)[-1].state
     shown = _shown(state != OPEN, GAP_BEYOND)
     # points of gap regions, open between contacts
     opened = open_points(state, is_closed(result.term(label).where))
@@ -146,8 +141,8 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     for number, travel in enumerate(earlier):
         step = int(np.argmin(np.abs(result.travel - travel)))
         axes.plot(
-            s, responses[step].gap, color=GREY, linewidth=1.0, label=result.caption(step), zorder=1,
-            linestyle=(":", "-.", "--")[number % 3],
+            *result.gap_profile(label, step), color=GREY, linewidth=1.0, zorder=1,
+            label=result.caption(step), linestyle=(":", "-.", "--")[number % 3],
         )  # fmt: skip
     axes.plot(s[shown], gap[shown], color=GREY, linewidth=1.2, zorder=3)
     _mark_states(axes, s[shown], gap[shown], state[shown], STATES, 7)

@@ -6,10 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting import section_drawing as section
-from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import CYCLE, styled, subplots
-from seal_mdao.seals.profiles import leading_contact, profile_histories, true_pressure
+from seal_mdao.seals.profiles import arc_length, leading_contact, profile_histories, true_pressure
 from seal_mdao.seals.result import SealResult
 
 MOST_SECTIONS = 6

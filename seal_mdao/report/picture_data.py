@@ -17,9 +17,14 @@ from seal_mdao.measures.selection import open_points
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
-from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.plotting.style import STRESS_MAPS
-from seal_mdao.seals.profiles import contacts, moving_histories, self_contacts, true_pressure
+from seal_mdao.seals.profiles import (
+    arc_length,
+    contacts,
+    moving_histories,
+    self_contacts,
+    true_pressure,
+)
 from seal_mdao.seals.result import SealResult
 
 POINTS = 600

@@ -11,6 +11,7 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_fractions
 from seal_mdao.measures.boundary_line import BoundaryLine, contact_fractions, ordered_points
+from seal_mdao.measures.contact_modulus import ContactModulus
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""
@@ -163,13 +164,15 @@ def _contact_at(result, contact, step: int) -> tuple:
     """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
     # widths of the sides in contact, deformed and undeformed
-    ring = ordered_points(where)
-    shares = contact_fractions(response.gap[ring])[0]
-    # width = sum over the sides of the length that touches
-    widths = [
-        BoundaryLine(where, ring, particles).length @ shares
-        for particles in (result.deformed(step), result.particles)
-    ]
+    ring, modulus = ordered_points(where), ContactModulus(result, contact.label).values
+    widths = []
+    for particles in (result.deformed(step), result.particles):
+        length = BoundaryLine(where, ring, particles).length
+        # width = sum over the sides of the length that touches
+        ends = contact_fractions(
+            response.gap[ring], length, modulus[ring], contact.law.normal_penalty
+        )
+        widths.append(length @ ends.fraction)
     pressures = true_pressure(result, contact, step), nominal_pressure(contact, response)
     return (*widths, *(values.max() for values in pressures))
 
@@ -200,9 +203,10 @@ def contact_positions(result, label: str) -> np.ndarray:
     return result.term(label).where.points.at(result.particles)
 
 
-def side_lengths(result, label: str) -> np.ndarray:
-    """Compute undeformed lengths between neighbouring contact points, shape (k - 1,), mm."""
-    return np.hypot(*np.diff(contact_positions(result, label), axis=0).T)
+def arc_length(result, label: str) -> np.ndarray:
+    """Compute the undeformed arc length of the contact points from the first one, shape (k,), mm."""
+    sides = np.hypot(*np.diff(contact_positions(result, label), axis=0).T)
+    return np.concatenate([[0.0], np.cumsum(sides)])
 
 
 def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:

@@ -268,6 +268,18 @@ class SealResult:
         """Deformed particles after a nominal step, shape (n, 2), mm."""
         return self.particles + self.displacement(step)
 
+    def gap_profile(self, profile: str, step: int = -1) -> tuple[np.ndarray, np.ndarray]:
+        """Return the normal gap along the edges that a profile may touch, after a nominal step.
+
+        ``numpy.interp(stations, *result.gap_profile("door"))`` is the gap at given arc lengths.
+
+        Returns
+        -------
+        arc_length, gap : ndarray, shape (k,)
+            Undeformed arc length from the first contact point, and gaps (negative in penetration), mm.
+        """
+        return profiles.arc_length(self, profile), self.path.at_nominal(profile)[step].gap
+
     def gradient(self, step: int = -1) -> np.ndarray:
         """F at the particles after a nominal step, in the order 11, 12, 21, 22, shape (n, 4)."""
         # F = I + sum_I d_I (x) dPhi_I/dX at all particles

@@ -15,9 +15,8 @@ from seal_mdao import plotting
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting import style
-from seal_mdao.plotting.contact_curves import arc_length
 from seal_mdao.recording.recorded_optimization import Constraint, RecordedOptimization
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import arc_length, contacts
 
 
 def lines(axes):

@@ -396,6 +396,12 @@ BAD = {
                         "there is no such profile (did you mean 'door'?); there is door"),
     "argument of another type": (WIDTH, WIDTH + "\norder = 4", "[[measure]] 1: unknown key 'order'"),
     "order one": (WIDTH, 'type = "peak_pressure"\norder = 1', "order = 1, but it must be a whole numb"),
+    "no exponent": (
+        WIDTH, 'type = "pressure_integral"', "[[measure]] 1: the key 'exponent' is missing"
+    ),
+    "exponent too small": (
+        WIDTH, 'type = "pressure_integral"\nexponent = 0.5\nreference_pressure = 100.0', "exponent"
+    ),
     "no roughness": (WIDTH, 'type = "leak_rate"', "[[measure]] 1: the key 'rms_roughness' is missing"),
     "wavelengths in disorder": (WIDTH, LEAK + "\nlongest_wavelength = 100.0", "[[measure]] 1: it must "
                                 "be shortest_wavelength < roll_off_wavelength <= longest_wavelength"),

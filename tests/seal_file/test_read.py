@@ -233,6 +233,7 @@ def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
         "cavity_area": 'edge = "cavity"', "displacement": "at = [0.0, 13.9]",
         "cavity_pressure": '[[cavity]]\nhole = 1',
         "load_deflection_error": "travel = [2.0, 4.0]\nvalue = [20.0, 60.0]",
+        "pressure_integral": "exponent = 1.5\nreference_pressure = 100.0",
         "leak_rate": "rms_roughness = 6.0\nroll_off_wavelength = 500.0\nshortest_wavelength = 1.0\n"
                      "pressure = 10.0",
         "blow_off_pressure": '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 9.0\nsteps = 20',

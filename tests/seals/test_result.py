@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from seal_file.block_files import FIXED, GLUED, MOVED, seal_of
+from two_rubbers import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.analysis.path_result import Status
@@ -42,3 +44,22 @@ def test_outline_seals_print_as_one_line(tmp_path):
     count = len(glued.nominal_particles)
     assert repr(glued) == f"<OutlineSeal: {count} particles, profiles: plate, 8 load steps>"
     assert repr(moved) == f"<OutlineSeal: {count} particles, profiles: none, 4 load steps>"
+
+
+def test_gap_profile_under_a_flat_plate(tmp_path):
+    """The plate begins 0.5 mm above a flat top of 6 mm and travels 0.65 mm in four steps."""
+    rubbers = "".join(
+        f'[material.{name}]\nlaw = "neo_hookean"\nc10 = 100.0\nbulk_modulus = 2e3\n'
+        for name in ("soft", "stiff")
+    )
+    path = tmp_path / "block.toml"
+    path.write_text(rubbers + pressed_block(1.0, start=4.5, travel=-0.65))
+    result = sm.analyze(sm.build_seal(path))
+    arc, gap = result.gap_profile("plate", 0)
+    assert arc[[0, -1]] == pytest.approx([0.0, 6.0])
+    assert (np.diff(arc) > 0.0).all()
+    assert gap == pytest.approx(np.full(arc.size, 0.5 - 0.65 / 4.0))
+    # in contact at the end
+    arc, gap = result.gap_profile("plate")
+    assert gap.tolist() == result.contact.gap.tolist()
+    assert np.interp(2.2, arc, gap) < 0.0

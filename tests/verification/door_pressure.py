@@ -20,7 +20,6 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from seal_mdao.contact.kinematics import normal_gaps
-from seal_mdao.measures.boundary_line import contact_fractions
 from seal_mdao.seals.door.door_seal import door_seal
 from verification.pressed_elements import PER_EDGE, PressedElements
 
@@ -56,7 +55,10 @@ def profile(across: int, around: int, n_steps: int) -> dict:
     weight = _summed(np.einsum("eg,ega->ea", length, hats))
     at_nodes = _summed(np.einsum("eg,ega->ea", length * pressure, hats)) / weight
     middles = np.cumsum(length.ravel()) - 0.5 * length.ravel()
-    width = np.diff(middles) @ contact_fractions(gap.ravel())[0] + middles[0]
+    # the gap is linear between Gauss points
+    low, high = np.sort([gap.ravel()[:-1], gap.ravel()[1:]], axis=0)
+    touching = np.where(high < 0.0, 1.0, np.maximum(-low, 0.0) / np.maximum(high - low, 1e-300))
+    width = np.diff(middles) @ touching + middles[0]
     return {
         "length": np.append(0.0, np.cumsum(length.sum(axis=1))),
         "place": pressed.mesh.nodes[np.append(edges[:, 0], edges[-1, 2])],

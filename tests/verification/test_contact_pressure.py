@@ -24,13 +24,18 @@ RMS, PEAK, WIDTH = 0.01, 0.01, 0.01
 HOLD = [
     ("half_disc", "peak", 0),
     ("half_disc", "peak", 1),
+    ("half_disc", "width", 0),
     ("o_ring", "rms", 0),
     ("o_ring", "rms", 1),
     ("o_ring", "peak", 2),
+    ("o_ring", "width", 1),
+    ("o_ring", "width", 2),
     ("bonded_gasket", "width", 0),
+    ("bonded_gasket", "width", 1),
     ("bonded_gasket", "width", 2),
     ("half_ring", "peak", 1),
-    ("rounded_punch", "width", 0),
+    ("half_ring", "width", 1),
+    ("rounded_punch", "width", 1),
     ("rounded_punch", "width", 2),
 ]
 """Section, quantity and stage (from 0) whose bound holds."""

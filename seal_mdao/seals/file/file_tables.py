@@ -1,6 +1,6 @@
 """The tables of a seal file, and the decisions that they make for its seal."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 

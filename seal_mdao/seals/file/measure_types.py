@@ -24,7 +24,6 @@ from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Names, Point, Text, many, number, one_of, whole
-from seal_mdao.seals.file.leak_rate_table import KINDS
 from seal_mdao.seals.file.measure_table import (
     AtPlaces,
     MeasureTable,
@@ -34,6 +33,7 @@ from seal_mdao.seals.file.measure_table import (
     simple_kind,
 )
 from seal_mdao.seals.file.schema import chosen_by, key, known
+from seal_mdao.seals.file.sealing_tables import KINDS
 from seal_mdao.seals.outline.walls import fault_of_wall
 
 # lists of contact points; orders of p-norms; points

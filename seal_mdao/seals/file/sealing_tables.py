@@ -1,0 +1,25 @@
+"""Types of measures of a seal file for the tightness of a contact."""
+
+from seal_mdao.measures.contact_integral import PressureIntegral
+from seal_mdao.measures.longest_contact import LongestContact
+from seal_mdao.seals.file.forms import number
+from seal_mdao.seals.file.leak_rate_table import KINDS
+from seal_mdao.seals.file.measure_table import OfProfile, kind
+from seal_mdao.seals.file.schema import key
+
+__all__ = ["KINDS", "LongestContactTable", "PressureIntegralTable"]
+
+
+@kind("longest_contact", LongestContact)
+class LongestContactTable(OfProfile):
+    """Length of the longest connected part of the deformed contact with a pressure above a limit."""
+
+    pressure: number("kPa", least=0.0, most=1e9) | None = key("limit; 0 unless given", None)
+
+
+@kind("pressure_integral", PressureIntegral)
+class PressureIntegralTable(OfProfile):
+    """Integral of (p / reference_pressure)^exponent along the deformed contact."""
+
+    exponent: number(least=1.0, most=10.0) = key("power of the pressure")
+    reference_pressure: number("kPa", above=0.0, most=1e9) = key("pressure that counts as 1")
