@@ -43,7 +43,7 @@ class LongestContact(Measure):
 
     def least_scale(self, result):
         # less than the distance of the points is not resolved
-        return float(result.term(self.profile).length.mean())
+        return float(result.term(self.profile).where.lengths(result.particles).mean())
 
     def evaluate(self, result, partials):
         points = PointPressures(result, self.profile, nominal=False)

@@ -13,6 +13,7 @@ from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
+from seal_mdao.seals.file.model_table import AXISYMMETRIC
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
 from seal_mdao.seals.file.section_table import SectionTable
@@ -155,13 +156,16 @@ def _with_contact_points(profiles, section: SectionTable, written: Written) -> t
     """Choose the contact points of profiles where the file leaves them open.
 
     On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
-    body that only profiles hold, the work of a profile that turns. Else the particles, which are at the
-    corners of the section.
+    body that only profiles hold, the work of a profile that turns. Of a body of revolution the averages,
+    for beside the axis the pressure of particles is wrong. Else the particles, which are at the corners
+    of the section.
     """
     # those of the scheme of the rays, where no particle is needed
     chosen = "particles"
     held = written.fixed is not None or written.moved or any(own.glued for own in profiles)
-    if isinstance(section.spacing, Rays) and held and not written.fluid:
+    if written.model.kinematics == AXISYMMETRIC and not written.fluid:
+        chosen = "averages"
+    elif isinstance(section.spacing, Rays) and held and not written.fluid:
         chosen = SCHEMES[section.spacing.accuracy].contact_points
     return tuple(
         replace(profile, contact_points="particles" if profile.turns else chosen)
