@@ -133,9 +133,9 @@ class PointPressures:
         if nominal:
             self.ratio = np.ones(self.gap.size)
             return
-        # p = p_nominal L / l
+        # p = p_nominal L / l; in a body of revolution L and l are turned about the axis
         self.deformed = result.deformed()
-        self.length = self.term.where.lengths(self.deformed)
+        self.length = self.term.where.measures(self.deformed)
         self.ratio = self.term.length / self.length
         self.value = self.value * self.ratio
 
@@ -149,12 +149,12 @@ class PointPressures:
         # dp/dL = p / L,  dp/dl = -p / l
         where, on_share = self.term.where, on_pressure * self.value
         by_undeformed, by_deformed = on_share / self.term.length, -on_share / self.length
-        where.add_length_seeds(
+        where.add_measure_seeds(
             self.undeformed, by_undeformed[:, None], partials.particles[row][:, :, None]
         )
         # l depends on the deformed particles, L on the undeformed ones
         on_deformed = np.zeros_like(self.deformed)
-        where.add_length_seeds(self.deformed, by_deformed[:, None], on_deformed[:, :, None])
+        where.add_measure_seeds(self.deformed, by_deformed[:, None], on_deformed[:, :, None])
         add_deformed_seeds(partials, row, on_deformed)
 
 

@@ -183,8 +183,8 @@ def nominal_pressure(contact: RigidContact, response) -> np.ndarray:
 def true_pressure(result, contact: RigidContact, step: int = -1) -> np.ndarray:
     """Compute the true (Cauchy) pressure of the points after a nominal step, shape (k,), kPa."""
     where, response = contact.where, result.path.at_nominal(contact.label)[step]
-    # force over deformed length: p = w_n |g_n| L / l
-    stretch = where.lengths(result.deformed(step)) / where.lengths(result.particles)
+    # force over deformed length, or area in a body of revolution: p = w_n |g_n| L / l
+    stretch = where.measures(result.deformed(step)) / where.measures(result.particles)
     return nominal_pressure(contact, response) / stretch
 
 
