@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import Edge
+from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import boundary_particles
 from verification.revolution import (
@@ -12,6 +14,7 @@ from verification.revolution import (
     C01,
     C10,
     TUBE_HEIGHT,
+    exact_force,
     free_stretch,
     inflation_errors,
     large_ring_force,
@@ -128,6 +131,67 @@ def test_radial_solution_keeps_the_volume(kind):
     R = np.linspace(1.0, 2.0, 9)
     shell = radial_solution(kind, 2e6)[0](R) ** power - R**power
     assert np.ptp(shell) < 1e-3 * shell.mean()
+
+
+TRUE = """
+symmetry = [{ edges = ["base"], normal = "y" }]
+[model]
+kinematics = "axisymmetric"
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 2000.0
+[section]
+material = "rubber"
+spacing = 0.3
+outer = [
+  { edge = "base", line = [[1.0, 0.0], [3.0, 0.0]] },
+  { edge = "side", line = [[3.0, 0.0], [3.0, 1.0]] },
+  { edge = "top", line = [[3.0, 1.0], [1.0, 1.0]] },
+  { edge = "bore", line = [[1.0, 1.0], [1.0, 0.0]] },
+]
+[[profile]]
+name = "lid"
+friction = 0.0
+contact = ["top"]
+contact_points = "averages"
+line = [[0.0, 0.0], [20.0, 0.0]]
+start = [0.0, 1.0]
+normal_penalty = 1e5
+tangent_penalty = 1e4
+stage = [{ translate = [0.0, -0.2], steps = 4 }]
+[[design]]
+edges = ["side"]
+parameters = 4
+bound = 0.2
+[[measure]]
+type = "peak_pressure"
+"""
+"""A ring between smooth plates: the true pressure is uniform."""
+
+
+def test_true_pressure_is_force_over_deformed_area(tmp_path, figure):
+    """P_z / s^2 with the radial stretch s, along the ring and around it, as a measure and in the
+    history; and its derivatives against central differences."""
+    path = tmp_path / "ring.toml"
+    path.write_text(TRUE, encoding="utf-8")
+    seal = sm.build_seal(path)
+    result = sm.analyze(seal, keep_factors=True)
+    area = np.pi * (3.0**2 - 1.0**2) * 1e-3
+    nominal = exact_force(1.0, 0.2) / area
+    # the plate is penetrated by |P_z| / w_n
+    s = free_stretch(0.8 + nominal / 1e5)
+    true = nominal / s**2
+    figure("true pressure: measure", abs(result.value("peak_pressure")[0] / true - 1.0), 1e-7)
+    history = profile_histories(result)[0]
+    figure("true pressure: history", abs(history.peak[-1] / true - 1.0), 1e-7)
+    found = np.ravel(sm.differentiate(result, ())["peak_pressure"])
+    for p, own in enumerate(found[:2]):
+        b = 1e-4 * np.eye(len(found))[p]
+        ends = [sm.analyze(seal, sign * b).value("peak_pressure")[0] for sign in (1.0, -1.0)]
+        slope = (ends[0] - ends[1]) / 2e-4
+        figure("true pressure: derivative", abs(own - slope) / abs(found).max(), 1e-4)
 
 
 # ---- plane strain ----
