@@ -69,7 +69,7 @@ def averaged_points(
     # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
     inside = inner & known
     if axisymmetric:
-        # the boundary goes on beyond the axis as its mirror image; dual hats are weightless there
+        # the boundary continues beyond the axis as its mirror image; dual hats are weightless there
         inside = (inner | (nominal[a, 0] == 0.0)) & known
     straight_end = ~(inside & inside[back]) & ~(near | far)
     gamma = np.where(at_corner | straight_end, DUAL, SMOOTH)[:, None]
