@@ -91,6 +91,21 @@ def test_resultant_of_closed_sides():
     assert gradient[:, 0].sum() == pytest.approx(2e-3 * np.pi * polygon_area(egg())[0], rel=1e-10)
 
 
+def test_forces_of_linear_weights_are_integrated_exactly(rng):
+    """One side: the moment of the forces with each weight, of degree 6, against ten Gauss points."""
+    x = rng.uniform(1.0, 2.0, (3, 2))
+    s, weight = np.polynomial.legendre.leggauss(10)
+    s, weight = 0.5 + 0.5 * s, 0.5 * weight
+    shapes = np.array([(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)])
+    slopes = np.array([4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0])
+    place, along = shapes.T @ x, slopes.T @ x
+    inward = np.column_stack([-along[:, 1], along[:, 0]])
+    forces = PressedSides(1, True, True).forces(x)
+    for own, line in zip(forces, (1.0 - s, s), strict=True):
+        moment = 2e-3 * np.pi * weight @ (line * place[:, 0] * (inward * place).sum(axis=1))
+        assert (own * x).sum() == pytest.approx(moment, rel=1e-12)
+
+
 # ---- work ----
 
 
