@@ -89,3 +89,19 @@ def test_tolerances_are_stated_by_the_pages(docs_module, pages):
     assert limits.text("patch") == "10⁻¹⁰"
     assert limits.text("cook_32") == "0.25 %"
     assert limits.text("flat_116_mm") == "0.015 mm"
+
+
+def test_blocks_of_pages_are_closed(docs):
+    """An open figure takes the text and the figures after it into its caption, without a warning."""
+    for page in sorted(docs.glob("**/*.md")):
+        if "_generated" in page.parts:
+            continue
+        opened = None
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            fence = re.match(r"(`{3,})(.*)", line)
+            if fence is None:
+                continue
+            begins = bool(fence[2].strip())
+            assert begins == (opened is None), f"{page.name}, line {number}: {opened or 'no block'}"
+            opened = number if begins else None
+        assert opened is None, f"{page.name}: the block of line {opened} is not closed"
