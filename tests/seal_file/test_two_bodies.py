@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_two_rubbers import BLOCK, exact_force
+from test_two_rubbers import block, exact_force
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import discretize
@@ -13,6 +13,7 @@ from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result import frozen_measures
 
 BULB = Path(__file__).parent / "bulb.toml"
+BLOCK = block("{spacing}")
 GAP = 0.05
 """mm; the curve through the particles is rounded at corners, and goes a little beyond them."""
 STACK = (
