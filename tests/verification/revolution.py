@@ -108,7 +108,7 @@ def pressed_ring(inner: float, share: float, kind: str, squeeze: float = 0.2) ->
     material = MooneyRivlin(C10, C01, BULK)
     options = NewtonOptions(tolerance=1e-12, branch="primary")
     path = solve(body, X, (elastic_body(material), plate), STEPS, None, options)
-    pressure = -path.steps[-1].responses[1].gap
+    pressure = np.maximum(-path.steps[-1].responses[1].gap, 0.0)
     force = abs(path.reaction("plate")[-1, 1])
     return PressedRing(
         float(abs(force / exact_force(inner, squeeze) - 1.0)),
