@@ -21,6 +21,7 @@ from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
+from seal_mdao.seals.result_units import PLANE
 
 
 @pytest.fixture
@@ -462,7 +463,7 @@ def test_compare_prints_the_force_on_profiles_that_move(capsys):
     """Not on the ground, which comes first in the file."""
     ends = {"ground": {"force_N_per_m": [0.0, -5.0]}, "door": {"force_N_per_m": [1.0, 5.0]}}
     own = {"profiles": ends, "converged": True, "warnings": (), **dict.fromkeys(KEYS)}
-    print_table({"seal": own}, {"seal": ["door"]})
+    print_table({"seal": own}, {"seal": ["door"]}, {"seal": PLANE})
     assert capsys.readouterr().out == "seal  force on door 1.00, 5.00 N/m\n"
 
 

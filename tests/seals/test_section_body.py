@@ -16,7 +16,9 @@ def section():
     edges = {name: Edge(np.array(own), False) for name, own in particles.items()}
     fixed = np.zeros((6, 2), bool)
     fixed[1] = True
-    body = SimpleNamespace(edges=edges, edge=edges.__getitem__, fixed=fixed, n_particles=6)
+    body = SimpleNamespace(
+        edges=edges, edge=edges.__getitem__, fixed=fixed, n_particles=6, axisymmetric=False
+    )
     return SectionBody(body, (np.arange(6),), 1)
 
 
