@@ -27,7 +27,7 @@ def make(out: Path, reduced: bool) -> dict:
     pressure, area = sealed.response("air").outputs[0]
     left, _ = vented.response("air").outputs[0]
     forces = [abs(result.path.reaction("door")[-1, 1]) for result in (sealed, opened, vented)]
-    nominal = sealed.term("air").nominal_area
+    nominal = sealed.term("air").nominal_volume
     return {
         "pressure": f"{pressure:.1f}", "area": f"{100 * (1 - area / nominal):.0f}",
         "sealed": f"{forces[0]:.0f}", "open": f"{forces[1]:.0f}", "vented": f"{forces[2]:.0f}",
