@@ -179,7 +179,7 @@ BAD = {
     "blow-off of no fluid": (WIDTH, 'type = "blow_off_pressure"',
                              "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]]; there"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
-    "type of a measure": ('type = "peak_pressure"', 'type = "pressure"',
+    "type of a measure": (WIDTH, 'type = "pressure"',
                           "type = 'pressure', but it must be one of peak_pressure, cavity_pressure"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),
