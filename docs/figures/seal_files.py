@@ -112,7 +112,8 @@ def begun(file):
 
     profiles = [replace(p, stages=tuple(map(short, p.stages))) for p in file.profiles]
     fluids = [
-        replace(f, steps=max(1, f.steps // SHARE), pressure=f.pressure / SHARE) for f in file.fluids
+        replace(f, steps=f.steps and max(1, f.steps // SHARE), pressure=f.pressure / SHARE)
+        for f in file.fluids
     ]
     # measures at a travel: at the same fraction of it
     measures = [
