@@ -20,7 +20,6 @@ from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
 from seal_mdao.loads.pressed_sides import PressedSides
 from seal_mdao.loads.ramp import at_ends, at_fraction
-from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points
@@ -160,8 +159,7 @@ class FluidPressureTerm(CoupledTerm):
         self.share, self.output_indices = definition.share, len(definition.edge)
         self.axisymmetric = discretization.body.axisymmetric
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
-        if self.axisymmetric:
-            self.rounding *= CIRCUMFERENCE * float(self.reference[:, 0].max())
+        self.rounding *= discretization.depth
         self.closings = [
             Closing(contact, definition.particles, self.names) for contact in definition.contacts
         ]

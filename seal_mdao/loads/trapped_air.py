@@ -16,7 +16,6 @@ from scipy.sparse import coo_array, csr_array
 
 from seal_mdao import values
 from seal_mdao.loads.enclosed_volume import coupled_points, enclosed_volume, second_derivatives
-from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -113,8 +112,7 @@ class TrappedAirTerm(CoupledTerm):
         self.nominal_volume = self.orientation * volume
         self.by_reference = self.orientation * by_index
         self.rounding = self.outside * float(np.abs(self.reference).max())
-        if self.axisymmetric:
-            self.rounding *= CIRCUMFERENCE * float(self.reference[:, 0].max())
+        self.rounding *= discretization.depth
         self._pairs = coupled_points(len(self.where), self.axisymmetric)
 
     def _enclosed(self, x):

@@ -98,18 +98,13 @@ def cells_volume(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.nd
     """Compute the volume of cells (m, 4) turned about x = 0, and its gradient (n, 2), as
     ``cells_area``."""
     value, gradient = 0.0, np.zeros_like(particles)
-    for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
-        a, b, c = (particles[corners[:, i]] for i in range(3))
-        u, v = b - a, c - a
+    for corners, area, pulls in _triangles(cells, particles):
         # V = 2 pi R A of each triangle, R = (x_a + x_b + x_c) / 3 (Pappus)
-        area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        around = 2.0 * np.pi * (a[:, 0] + b[:, 0] + c[:, 0]) / 3.0
+        around = 2.0 * np.pi * particles[corners, 0].sum(axis=1) / 3.0
         value += (around * area).sum().item()
-        by_b = 0.5 * around[:, None] * np.column_stack([v[:, 1], -v[:, 0]])
-        by_c = 0.5 * around[:, None] * np.column_stack([-u[:, 1], u[:, 0]])
         on_radius = np.column_stack([2.0 * np.pi / 3.0 * area, np.zeros(len(area))])
-        for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):
-            np.add.at(gradient, corners[:, corner], pull + on_radius)
+        for corner, pull in enumerate(pulls):
+            np.add.at(gradient, corners[:, corner], around[:, None] * pull + on_radius)
     return value, gradient
 
 
@@ -119,15 +114,23 @@ def cells_area(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndar
     Both are complex for complex particles.
     """
     value, gradient = 0.0, np.zeros_like(particles)
-    # two triangles per cell; of a triangular cell one is degenerate
+    for corners, area, pulls in _triangles(cells, particles):
+        value += area.sum().item()
+        for corner, pull in enumerate(pulls):
+            np.add.at(gradient, corners[:, corner], pull)
+    return value, gradient
+
+
+def _triangles(cells: np.ndarray, particles: np.ndarray):
+    """Divide cells in two triangles: their corners (m, 3), areas (m,), and derivatives of the areas in
+    the corners, three (m, 2)."""
+    # of a triangular cell one of both is degenerate
     for corners in (cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]):
         a, b, c = (particles[corners[:, i]] for i in range(3))
         u, v = b - a, c - a
         # A = 1/2 u x v with u = b - a, v = c - a
-        value += 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum().item()
+        area = 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
         # dA/db = 1/2 (v_y, -v_x),  dA/dc = 1/2 (-u_y, u_x),  dA/da = -dA/db - dA/dc
         by_b = 0.5 * np.column_stack([v[:, 1], -v[:, 0]])
         by_c = 0.5 * np.column_stack([-u[:, 1], u[:, 0]])
-        for corner, pull in enumerate((-by_b - by_c, by_b, by_c)):
-            np.add.at(gradient, corners[:, corner], pull)
-    return value, gradient
+        yield corners, area, (-by_b - by_c, by_b, by_c)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
+from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE, add_radius_seeds
 from seal_mdao.rkpm.essential import EssentialTransformation
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable
@@ -80,9 +80,8 @@ class EdgeAverages(NamedTuple):
         if self.around:
             # R_q_bar = 2 pi l_e (c_q l_e)_bar
             on_radius = CIRCUMFERENCE * length[..., None, None] * on_sizes
-            on_gauss = np.zeros((self.gauss.anchors.shape[0], 2, on_radius.shape[-1]))
-            on_gauss[:, 0] = on_radius.reshape(len(on_gauss), -1)
-            self.gauss.add_seeds(particles, on_gauss, x_bar)
+            on_radius = on_radius.reshape(len(self.gauss.anchors), -1)
+            add_radius_seeds(self.gauss, particles, on_radius, x_bar)
         length_bar = (around[..., None] * on_sizes).sum(axis=2)
         pull = tangent[..., None] * length_bar[:, :, None]
         scatter_add(x_bar, self.edges[..., 1], pull)

@@ -16,9 +16,41 @@ that forces are in N where those of plane strain are in N/m.
 import numpy as np
 
 from seal_mdao.compilation import compiled
+from seal_mdao.rkpm.scatter import scatter_add
 
 CIRCUMFERENCE = 2e-3 * np.pi
 """Circumference over radius, m/mm."""
+
+
+def edge_circumferences(ends: np.ndarray, radial: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Compute c = 2 pi R at points of edges, m, shape (..., *shape).
+
+    Linear in ``vectors``: particles give c, a design velocity its rates.
+
+    Parameters
+    ----------
+    ends : ndarray of int, shape (*shape, 2)
+        Particles at the ends of the edge of every point.
+    radial : ndarray, shape (*shape, 2)
+        Weights of their radii in R.
+    vectors : ndarray, shape (..., n, 2)
+    """
+    return CIRCUMFERENCE * (radial * vectors[..., ends, 0]).sum(axis=-1)
+
+
+def add_circumference_seeds(ends, radial, seeds, x_bar) -> None:
+    """Apply the transpose of ``edge_circumferences``: seeds (*shape, M) added to ``x_bar`` (n, 2, M)."""
+    on_ends = np.zeros((*ends.shape, 2, seeds.shape[-1]))
+    # R_a_bar = 2 pi radial_a c_bar
+    on_ends[..., 0, :] = CIRCUMFERENCE * radial[..., None] * seeds[..., None, :]
+    scatter_add(x_bar, ends, on_ends)
+
+
+def add_radius_seeds(points, particles, radius_bar, x_bar) -> None:
+    """Add seeds (n_points, M) on the radii of a ``PointSet`` to ``x_bar`` (n, 2, M)."""
+    point_bar = np.zeros((len(radius_bar), 2, radius_bar.shape[1]))
+    point_bar[:, 0] = radius_bar
+    points.add_seeds(particles, point_bar, x_bar)
 
 
 @compiled

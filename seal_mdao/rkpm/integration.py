@@ -26,7 +26,12 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined
-from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
+from seal_mdao.rkpm.axisymmetry import (
+    CIRCUMFERENCE,
+    add_circumference_seeds,
+    add_radius_seeds,
+    edge_circumferences,
+)
 from seal_mdao.rkpm.cells import CellMap, add_weight_seeds, weight_rates
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import Cloud, PointSet, ShapeTable, grad_rows
@@ -130,12 +135,6 @@ def add_normal_seeds(rule: EdgeRule, normal_bar: np.ndarray, x_bar: np.ndarray) 
     scatter_add(x_bar, rule.ends[..., 0], -pull)
 
 
-def edge_circumferences(rule: EdgeRule, vectors: np.ndarray) -> np.ndarray:
-    """Compute c = 2 pi R of every edge point, m, of particles or velocities (..., n, 2), shape
-    (..., n_cells, 8)."""
-    return CIRCUMFERENCE * (rule.radial * vectors[..., rule.ends, 0]).sum(axis=-1)
-
-
 def circumferences(gauss: PointTable, shape) -> np.ndarray:
     """Compute c = 2 pi R of the Gauss points, ``shape`` (n_cells, q), m; 1 in plane strain."""
     if not gauss.points.hooped:
@@ -149,7 +148,7 @@ def around_normals(rule: EdgeRule, gauss: PointTable) -> np.ndarray:
     normals = edge_normals(rule, particles)
     if not gauss.points.hooped:
         return normals
-    return edge_circumferences(rule, particles)[..., None] * normals
+    return edge_circumferences(rule.ends, rule.radial, particles)[..., None] * normals
 
 
 def integration_points(mapping: CellMap, rule: EdgeRule, axisymmetric: bool = False) -> tuple:
@@ -226,7 +225,8 @@ class CellTable:
         if not self.axisymmetric:
             return rates
         # (c w)' = c w' + 2 pi R' w
-        around = CIRCUMFERENCE * self._radius_rates(velocity).T.reshape(rates.shape)
+        moved = self.gauss.points.rates(self.gauss.cloud.particles, velocity)[:, 0]
+        around = CIRCUMFERENCE * moved.T.reshape(rates.shape)
         return self.circumferences * rates + around * self.weights
 
     def add_weight_seeds(self, weight_bar, x_bar) -> None:
@@ -234,19 +234,10 @@ class CellTable:
         particles = self.gauss.cloud.particles
         if self.axisymmetric:
             on_radius = CIRCUMFERENCE * (weight_bar * self.weights[..., None])
-            self._add_radius_seeds(on_radius.reshape(-1, weight_bar.shape[2]), x_bar)
+            on_radius = on_radius.reshape(-1, weight_bar.shape[2])
+            add_radius_seeds(self.gauss.points, particles, on_radius, x_bar)
             weight_bar = weight_bar * self.circumferences[..., None]
         add_weight_seeds(self.mapping, particles, weight_bar, x_bar)
-
-    def _radius_rates(self, velocity) -> np.ndarray:
-        """R' of the Gauss points, shape (n_points, P)."""
-        return self.gauss.points.rates(self.gauss.cloud.particles, velocity)[:, 0]
-
-    def _add_radius_seeds(self, radius_bar, x_bar) -> None:
-        """Transpose of ``_radius_rates``: seeds (n_points, M) added to ``x_bar`` (n, 2, M)."""
-        point_bar = np.zeros((len(radius_bar), 2, radius_bar.shape[1]))
-        point_bar[:, 0] = radius_bar
-        self.gauss.points.add_seeds(self.gauss.cloud.particles, point_bar, x_bar)
 
     def _normal_rates(self, velocity) -> np.ndarray:
         """Rates of ``normals``, shape (P, n_cells, 8, 2)."""
@@ -256,22 +247,22 @@ class CellTable:
             return rates
         # (c n)' = c n' + c' n, c being linear in the particles too
         particles = self.gauss.cloud.particles
-        rates *= edge_circumferences(self.rule, particles)[..., None]
-        return rates + edge_circumferences(self.rule, velocity)[..., None] * edge_normals(
-            self.rule, particles
+        around, grown = (
+            edge_circumferences(self.rule.ends, self.rule.radial, own)[..., None]
+            for own in (particles, velocity)
         )
+        return around * rates + grown * edge_normals(self.rule, particles)
 
     def _add_normal_seeds(self, normal_bar, x_bar) -> None:
         """Transpose of ``_normal_rates``: seeds (n_cells, 8, 2, M) added to ``x_bar`` (n, 2, M)."""
         if self.axisymmetric:
-            particles = self.gauss.cloud.particles
+            ends, radial, particles = self.rule.ends, self.rule.radial, self.gauss.cloud.particles
+            # c_bar = n . (c n)_bar
             plain = edge_normals(self.rule, particles)
-            # c_bar = n . (c n)_bar, on the radii of both ends
-            around = CIRCUMFERENCE * np.einsum("cejm,cej->cem", normal_bar, plain)
-            on_ends = np.zeros((*self.rule.ends.shape, 2, normal_bar.shape[3]))
-            on_ends[..., 0, :] = self.rule.radial[..., None] * around[:, :, None]
-            scatter_add(x_bar, self.rule.ends, on_ends)
-            normal_bar = normal_bar * edge_circumferences(self.rule, particles)[..., None, None]
+            on_around = np.einsum("cejm,cej->cem", normal_bar, plain)
+            add_circumference_seeds(ends, radial, on_around, x_bar)
+            around = edge_circumferences(ends, radial, particles)
+            normal_bar = normal_bar * around[..., None, None]
         add_normal_seeds(self.rule, normal_bar, x_bar)
 
     def rates(self, velocity, weight_rates, matrix_rate) -> TableRates:

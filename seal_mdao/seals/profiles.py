@@ -151,8 +151,9 @@ def _history(result, contact) -> ProfileHistory:
     moved = _coordinates(motion, number) - since
     at_steps = np.zeros((len(number), 4))
     if isinstance(contact, RigidContact):
+        moduli = ContactModulus(result, contact.label).values
         for step in range(len(number)):
-            at_steps[step] = _contact_at(result, contact, step)
+            at_steps[step] = _contact_at(result, contact, step, moduli)
     return ProfileHistory(
         contact.label, stage, np.hypot(moved[:, 0], moved[:, 1]), moved[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
@@ -160,17 +161,17 @@ def _history(result, contact) -> ProfileHistory:
     )  # fmt: skip
 
 
-def _contact_at(result, contact, step: int) -> tuple:
-    """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step."""
+def _contact_at(result, contact, step: int, moduli) -> tuple:
+    """Compute deformed and undeformed width in contact, highest true and nominal pressure of a step,
+    with the ``moduli`` (k,) of the contact points, kPa."""
     response, where = result.path.at_nominal(contact.label)[step], result.term(contact.label).where
     # widths of the sides in contact, deformed and undeformed
-    ring, modulus = ordered_points(where), ContactModulus(result, contact.label).values
-    widths = []
+    ring, widths = ordered_points(where), []
     for particles in (result.deformed(step), result.particles):
         length = BoundaryLine(where, ring, particles).length
         # width = sum over the sides of the length that touches
         ends = contact_fractions(
-            response.gap[ring], length, modulus[ring], contact.law.normal_penalty
+            response.gap[ring], length, moduli[ring], contact.law.normal_penalty
         )
         widths.append(length @ ends.fraction)
     pressures = true_pressure(result, contact, step), nominal_pressure(contact, response)

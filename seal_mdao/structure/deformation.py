@@ -230,7 +230,8 @@ def deformations(cells, functions: np.ndarray, d: np.ndarray) -> Deformation:
 
 @compiled
 def particle_gradients(table, cells, d, out):
-    """Deformation gradients at the particles: means over the quadrature points of the cells around.
+    """In-plane deformation gradients at the particles: means over the quadrature points of the cells
+    around.
 
     Parameters
     ----------
@@ -243,14 +244,14 @@ def particle_gradients(table, cells, d, out):
     out : ndarray, shape (n, 2, 2)
         Written; the unit matrix for a particle at no cell.
     """
-    of_column = len(cells) // (table.start.size - 1)
+    of_column, rows = len(cells) // (table.start.size - 1), grad_rows(table)
     points, q_count = table.group_size, table.group_size // of_column
-    f, count = np.empty((points, 5)), np.zeros(len(out))
+    f, count = np.empty((points, 3 + rows)), np.zeros(len(out))
     out[:] = 0.0
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        grad = table.grad[2 * s0 * points : 2 * (s0 + n) * points]
+        grad = table.grad[rows * s0 * points : rows * (s0 + n) * points]
         group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
         # sums over the quadrature points of the cells at a particle
         for x in range(of_column):

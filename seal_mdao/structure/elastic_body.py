@@ -15,16 +15,11 @@ from seal_mdao.structure.deformation import (
     no_deformation,
 )
 from seal_mdao.structure.energy_gradient import BodySeeds
-from seal_mdao.structure.internal_force import assemble_internal
+from seal_mdao.structure.internal_force import assemble_internal, plane_jacobian
 from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
 from seal_mdao.terms.term import Scalar, Term, TermDefinition
 
 _NO_BRANCH = np.empty(0, int)
-
-
-def _plane_jacobian(f: np.ndarray) -> np.ndarray:
-    """Compute det F of in-plane gradients (..., 4) in the order 11, 12, 21, 22."""
-    return f[..., 0] * f[..., 3] - f[..., 1] * f[..., 2]
 
 
 class Region(NamedTuple):
@@ -302,7 +297,8 @@ class StructuralTerm(Term):
         if around:
             # of J = h det F, h = h0 + g: h0 det G + g (det(F0 + G) - det F0)
             now, before = now[..., :4], now[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
-            grown = _plane_jacobian(now) - _plane_jacobian(before)
+            grown = plane_jacobian(np.moveaxis(now, -1, 0))
+            grown -= plane_jacobian(np.moveaxis(before, -1, 0))
             beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
         # sum_q N_h w det G / V_h
         return (weights * beyond) @ functions.T / (weights @ functions.T)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from seal_mdao.rkpm.averages import EdgeAverages
-from seal_mdao.rkpm.axisymmetry import CIRCUMFERENCE
+from seal_mdao.rkpm.axisymmetry import add_circumference_seeds, edge_circumferences
 from seal_mdao.rkpm.scatter import scatter_add
 from seal_mdao.rkpm.shape_functions import PointSet
 
@@ -95,7 +95,7 @@ class MaterialPoints:
 
     def _circumferences(self, vectors) -> np.ndarray:
         """c = 2 pi R of every edge, m, of particles or velocities (..., n, 2), shape (..., k, e)."""
-        return CIRCUMFERENCE * (self.radial * vectors[..., self.edges, 0]).sum(axis=-1)
+        return edge_circumferences(self.edges, self.radial, vectors)
 
     def _pulls(self, particles) -> np.ndarray:
         """d(length) / d(second end of an edge), shape (k, e, 2)."""
@@ -121,11 +121,9 @@ class MaterialPoints:
         pulls = self._pulls(particles)
         if self.radial is not None:
             pulls = pulls * self._circumferences(particles)[..., None]
-            # R_a_bar += 2 pi radial_a l (c l)_bar
-            on_radii = CIRCUMFERENCE * self.radial * self._edge_lengths(particles)[..., None]
-            on_ends = np.zeros((*self.edges.shape, 2, measure_bar.shape[1]))
-            on_ends[..., 0, :] = on_radii[..., None] * measure_bar[:, None, None]
-            scatter_add(x_bar, self.edges, on_ends)
+            # c_bar = l (c l)_bar
+            on_around = self._edge_lengths(particles)[..., None] * measure_bar[:, None]
+            add_circumference_seeds(self.edges, self.radial, on_around, x_bar)
         # X_b_bar += dl/dX_b l_bar,  X_a_bar -= the same
         pull = pulls[..., None] * measure_bar[:, None, None]
         scatter_add(x_bar, self.edges[..., 1], pull)

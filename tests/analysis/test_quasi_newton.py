@@ -188,8 +188,10 @@ def test_carried_factor_is_exact_for_a_rigid_rotation(rng):
     assert np.abs(np.linalg.solve(before, rhs) - expected).max() > 0.1 * np.abs(expected).max()
 
 
-def test_gradients_of_a_homogeneous_deformation(rng):
-    disc, gradient = square(rng), np.array([[1.2, 0.3], [-0.1, 0.9]])
+@pytest.mark.parametrize("inner", [None, 0.4])
+def test_gradients_of_a_homogeneous_deformation(rng, inner):
+    """In plane strain, and in a body of revolution with this inner radius."""
+    disc, gradient = square(rng, inner=inner), np.array([[1.2, 0.3], [-0.1, 0.9]])
     d, out = disc.particles @ (gradient - np.eye(2)).T, np.empty((len(disc.particles), 2, 2))
     raw = disc.transformation.coefficients(d)
     particle_gradients(disc.cells.raw, disc.body.cells, raw, out)

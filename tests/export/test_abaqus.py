@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from rings import cylinder, ring
+from ring_files import cylinder, ring
 
 import seal_mdao as sm
 from seal_mdao.export.abaqus import not_exported, write_abaqus

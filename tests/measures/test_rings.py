@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from quotients import quotients
-from rings import cylinder, ring
+from ring_files import cylinder, ring
 from scipy.optimize import brentq
 
 import seal_mdao as sm

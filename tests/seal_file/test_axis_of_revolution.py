@@ -1,20 +1,13 @@
 """Sections of bodies of revolution that touch the axis, or lie beyond it."""
 
 import pytest
+from ring_files import HEAD, PLANE, under_a_lid
 
 import seal_mdao as sm
 
-FILE = """
-[model]
-kinematics = "axisymmetric"
-[material.rubber]
-law = "mooney_rivlin"
-c10 = 80.0
-c01 = 20.0
-bulk_modulus = 80000.0
-[section]
-material = "rubber"
-spacing = 0.5
+FILE = (
+    HEAD.replace("{bulk}", "80000.0").replace("{spacing}", "0.5")
+    + """\
 outer = [ {outer} ]
 [[moved]]
 edges = ["top"]
@@ -22,6 +15,7 @@ stage = [{{ translate = [0.0, -0.1] }}]
 [[measure]]
 type = "reaction"
 """
+)
 BASE = '{{ edge = "top", line = [[{b}, 0.0], [{a}, 0.0]] }}'
 ARC = '{{ edge = "round", arc = {{ start = [{a}, 0.0], through = [{m}, {d}], end = [{b}, 0.0] }} }}'
 
@@ -61,49 +55,22 @@ def test_an_arc_that_ends_at_an_edge_on_the_axis(tmp_path):
     assert file.supports["axis"] == (0,)
 
 
-CYLINDER = """
-[model]
-kinematics = "axisymmetric"
-[material.rubber]
-law = "mooney_rivlin"
-c10 = 80.0
-c01 = 20.0
-bulk_modulus = 80000.0
-[section]
-material = "rubber"
-spacing = 0.5
-outer = [
-  { edge = "base", line = [[RADIUS, 0.0], [4.0, 0.0]] },
-  { edge = "side", line = [[4.0, 0.0], [4.0, 2.0]] },
-  { edge = "top", line = [[4.0, 2.0], [RADIUS, 2.0]] },
-  { edge = "inside", line = [[RADIUS, 2.0], [RADIUS, 0.0]] },
-]
-[[profile]]
-name = "lid"
-friction = 0.0
-contact = ["top"]
-contact_points = "edges"
-line = [[0.0, 0.0], [20.0, 0.0]]
-start = [0.0, 2.1]
-normal_penalty = 1e5
-tangent_penalty = 1e4
-stage = [{ translate = [0.0, -0.3], steps = 3 }]
-[[measure]]
-type = "reaction"
-"""
+def cylinder(radius):
+    """A file of a ring that nothing holds at its base, with this inner radius."""
+    own = under_a_lid((radius, 4.0), 2.0, 2.1, -0.3, 3, bulk=80000.0, points="edges")
+    return own + '[[measure]]\ntype = "reaction"\n'
 
 
-@pytest.mark.parametrize("radius", ["0.0", "1.0"])
+@pytest.mark.parametrize("radius", [0.0, 1.0])
 def test_a_plane_of_symmetry_across_the_axis_holds_a_ring(tmp_path, radius):
     """And no profile has to touch it at the start: it can only move along the axis."""
-    plane = 'symmetry = [{ edges = ["base"], normal = "y" }]\n'
-    file = read(tmp_path, plane + CYLINDER.replace("RADIUS", radius))
+    file = read(tmp_path, PLANE + cylinder(radius))
     result = sm.analyze(sm.build_seal(file))
     result.require_converged()
     assert result.value("reaction")[-1] > 0.0
 
 
-@pytest.mark.parametrize("radius", ["0.0", "1.0"])
+@pytest.mark.parametrize("radius", [0.0, 1.0])
 def test_the_axis_holds_nothing_along_itself(tmp_path, radius):
     with pytest.raises(sm.SealFileError, match="profiles have to hold the section"):
-        read(tmp_path, CYLINDER.replace("RADIUS", radius))
+        read(tmp_path, cylinder(radius))

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import openmdao.api as om
 import pytest
-from rings import cylinder, ring
+from ring_files import cylinder, ring
 
 import seal_mdao as sm
 from seal_mdao.cli.subcommands import main

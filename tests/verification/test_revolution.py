@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from ring_files import PLANE, under_a_lid
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import Edge
@@ -133,34 +134,11 @@ def test_radial_solution_keeps_the_volume(kind):
     assert np.ptp(shell) < 1e-3 * shell.mean()
 
 
-TRUE = """
-symmetry = [{ edges = ["base"], normal = "y" }]
-[model]
-kinematics = "axisymmetric"
-[material.rubber]
-law = "mooney_rivlin"
-c10 = 80.0
-c01 = 20.0
-bulk_modulus = 2000.0
-[section]
-material = "rubber"
-spacing = 0.3
-outer = [
-  { edge = "base", line = [[1.0, 0.0], [3.0, 0.0]] },
-  { edge = "side", line = [[3.0, 0.0], [3.0, 1.0]] },
-  { edge = "top", line = [[3.0, 1.0], [1.0, 1.0]] },
-  { edge = "bore", line = [[1.0, 1.0], [1.0, 0.0]] },
-]
-[[profile]]
-name = "lid"
-friction = 0.0
-contact = ["top"]
-contact_points = "averages"
-line = [[0.0, 0.0], [20.0, 0.0]]
-start = [0.0, 1.0]
-normal_penalty = 1e5
-tangent_penalty = 1e4
-stage = [{ translate = [0.0, -0.2], steps = 4 }]
+# a ring between smooth plates, with a design: the true pressure is uniform
+TRUE = (
+    PLANE
+    + under_a_lid((1.0, 3.0), 1.0, 1.0, -0.2, 4, bulk=2000.0, spacing=0.3)
+    + """\
 [[design]]
 edges = ["side"]
 parameters = 4
@@ -168,7 +146,7 @@ bound = 0.2
 [[measure]]
 type = "peak_pressure"
 """
-"""A ring between smooth plates: the true pressure is uniform."""
+)
 
 
 def test_true_pressure_is_force_over_deformed_area(tmp_path, figure):

@@ -89,8 +89,8 @@ def check_friction_by_edge(where: str, profile) -> None:
     """Refuse friction of edges that the profile does not touch, or that leaves one out."""
     for name in profile.friction.names:
         known(where, "friction", name, profile.contact, "edge in contact")
-        if unfit_edge_name(name):
-            raise SealFileError(f"{where}: friction: {unfit_edge_name(name)}")
+        if unfit := unfit_edge_name(name):
+            raise SealFileError(f"{where}: friction: {unfit}")
     missing = [name for name in profile.contact if name not in profile.friction.names]
     if missing:
         raise SealFileError(f"{where}: friction has no coefficient of the edge {missing[0]!r}")
@@ -103,8 +103,8 @@ def check_pairs(self_contact) -> None:
         where = f"[[self_contact.pair]] {number}"
         for name in pair.edges:
             known(where, "edges", name, self_contact.edges, "edge in [self_contact]")
-            if unfit_edge_name(name):
-                raise SealFileError(f"{where}: edges: {unfit_edge_name(name)}")
+            if unfit := unfit_edge_name(name):
+                raise SealFileError(f"{where}: edges: {unfit}")
         if frozenset(pair.edges) in seen:
             raise SealFileError(f"{where}: edges has a pair that {seen[frozenset(pair.edges)]} has")
         seen[frozenset(pair.edges)] = where

@@ -1,16 +1,21 @@
-"""A rubber ring of 2 x 2 mm between a fixed base and a plate, and a cylinder, as seal files."""
+"""Bodies of revolution as seal files: a rubber ring between a fixed base and a plate, a cylinder, and a
+ring under a smooth lid."""
 
-_RING = """\
+HEAD = """\
 [model]
 kinematics = "axisymmetric"
 [material.rubber]
 law = "mooney_rivlin"
 c10 = 80.0
 c01 = 20.0
-bulk_modulus = 2e3
+bulk_modulus = {bulk}
 [section]
 material = "rubber"
 spacing = {spacing}
+"""
+_RING = (
+    HEAD.replace("{bulk}", "2e3")
+    + """\
 [[section.outer]]
 edge = "base"
 line = [[{inner}, 0.0], [{outer}, 0.0]]
@@ -39,6 +44,7 @@ start = [0.0, {start}]
 translate = {translate}
 steps = 4
 """
+)
 
 
 def ring(inner: float = 3.0, spacing: float = 0.5, points: str = "particles", penalty: float = 1e5,
@@ -56,3 +62,35 @@ def cylinder(spacing: float = 0.5, points: str = "averages", travel: float = 0.4
         inner=0.0, outer=2.0, spacing=spacing, points=points, penalty=1e7, friction=0.0,
         start=2.0, translate=[0.0, -travel], directions='["y"]',
     )  # fmt: skip
+
+
+_LID = """\
+outer = [
+  {{ edge = "base", line = [[{inner}, 0.0], [{outer}, 0.0]] }},
+  {{ edge = "side", line = [[{outer}, 0.0], [{outer}, {height}]] }},
+  {{ edge = "top", line = [[{outer}, {height}], [{inner}, {height}]] }},
+  {{ edge = "inside", line = [[{inner}, {height}], [{inner}, 0.0]] }},
+]
+[[profile]]
+name = "lid"
+friction = 0.0
+contact = ["top"]
+contact_points = "{points}"
+line = [[0.0, 0.0], [20.0, 0.0]]
+start = [0.0, {start}]
+normal_penalty = 1e5
+tangent_penalty = 1e4
+stage = [{{ translate = [0.0, {travel}], steps = {steps} }}]
+"""
+PLANE = 'symmetry = [{ edges = ["base"], normal = "y" }]\n'
+"""The base lies in a plane of symmetry; before all tables."""
+
+
+def under_a_lid(radii, height: float, start: float, travel: float, steps: int, *, bulk=2e3,
+                spacing=0.5, points="averages") -> str:  # fmt: skip
+    """A seal file of a ring with inner and outer ``radii``; nothing holds its base."""
+    lid = _LID.format(
+        inner=radii[0], outer=radii[1], height=height, start=start, travel=travel, steps=steps,
+        points=points,
+    )  # fmt: skip
+    return HEAD.format(bulk=bulk, spacing=spacing) + lid
