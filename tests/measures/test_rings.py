@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import seal_mdao as sm
 from seal_mdao.materials import hoop_stretch
 from seal_mdao.measures.section_shape import Volume
+from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.profiles import true_pressure
 
 DESIGN = """
@@ -84,6 +85,24 @@ def test_derivatives_are_those_of_the_path(seal, result, name, step):
         one = np.atleast_2d(direct[measure])[:, column]
         assert np.all(np.abs(one - quotient) <= bound), measure
         assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-4), measure
+
+
+def test_stress_of_free_particles_has_the_derivatives_of_the_path(seal, result):
+    """Where the hoop stretch changes: in the middle of the side and of the bore."""
+    points = tuple(
+        int(np.median(seal.body.edge(name).particles[1:-1])) for name in ("side", "bore")
+    )
+    measure = VonMises(points=points)
+    direct, adjoint = (
+        sm.differentiate(result, NAMES, (measure,), method) for method in ("direct", "adjoint")
+    )
+    one, other = direct[measure.name], adjoint[measure.name]
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * np.abs(one).max())
+    for name, step in (("boundary_offsets[2]", 2e-5), ("boundary_offsets[8]", 2e-5), ("c10", 1e-3)):
+        found = one[:, direct.parameters.index(name)]
+        quotient, bound = quotients(seal, name, step, measures=(measure,))[measure.name]
+        assert np.all(np.abs(found - quotient) <= bound), name
+        assert bound.max() <= 1e-4 * np.abs(found).max(), name
 
 
 def compressed(material, stretch):

@@ -22,12 +22,14 @@ def table_of(cloud, where):
     return averaged_table(cloud, where.moving, essential_transformation(nothing, own.raw))
 
 
-@pytest.fixture(params=[1, 2])
+@pytest.fixture(params=[(1, False), (2, False), (1, True), (2, True)], ids=str)
 def averaged(request, rng):
-    """An irregular cloud, the means along one of its rows of particles, and their table."""
-    cloud = irregular_cloud(rng, n=N, order=request.param)
+    """An irregular cloud, in plane strain or turned about an axis, the means along one of its rows of
+    particles, and their table."""
+    order, around = request.param
+    cloud = irregular_cloud(rng, n=N, order=order, origin=(2.0 * around, 0.0))
     row = np.arange(3, N * N, N)
-    where = averaged_points(row, Edge(row, False).neighbours, cloud.particles)
+    where = averaged_points(row, Edge(row, False).neighbours, cloud.particles, around)
     return cloud, row, where, table_of(cloud, where)
 
 

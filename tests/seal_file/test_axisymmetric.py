@@ -33,6 +33,14 @@ def test_edges_on_the_axis_stay_there(tmp_path):
     assert seal.body.fixed[axis, 1].sum() == 1
 
 
+@pytest.mark.parametrize(("fluid", "points"), [(False, "averages"), (True, "particles")])
+def test_contact_is_at_averages_unless_a_fluid_needs_particles(tmp_path, fluid, points):
+    text = ring().replace('contact_points = "particles"\n', "")
+    text += '[[fluid]]\nedge = ["side", "top"]\nfrom = "start"\npressure = 1.0\n' * fluid
+    (profile,) = read(tmp_path, text).profiles
+    assert profile.contact_points == points
+
+
 def test_the_ring_beside_the_axis_is_free_there(tmp_path):
     assert read(tmp_path, ring()).supports == {"base": (0, 1)}
 
