@@ -61,17 +61,18 @@ def _euler(increment: Increment, load) -> np.ndarray:
     if problem.imposed is not None:
         # prescribed increment du_p: its forces K_fp du_p on the free components are part of the load
         du = problem.prescribed_increment(increment.last.fraction, increment.target)
-        load = load + _prescribed_rate(problem, d, du)
+        load = load + _prescribed_rate(problem, increment.last, du)
         d = d + du
     return d - layout.gather(increment.factor.solve(load))
 
 
-def _prescribed_rate(problem: PathProblem, d, du, step=1e-6) -> np.ndarray:
-    """Compute the change K_fp du_p of the forces with prescribed displacements.
+def _prescribed_rate(problem: PathProblem, last: ConvergedStep, du, step=1e-6) -> np.ndarray:
+    """Compute the change K_fp du_p of the forces at the last step with prescribed displacements.
 
     By a forward difference, which suffices for the predictor.
     """
-    change = problem.forces_on_all(d + step * du) - problem.forces_on_all(d)
+    moved, own = (problem.forces_on_all(d, last.fraction) for d in (last.d + step * du, last.d))
+    change = moved - own
     return problem.discretization.layout.reduce(change / step)
 
 

@@ -106,7 +106,9 @@ class PathProblem:
             # K~ = N^T K N, Eq. (44)
             layout.condense_tangent(values)
         # with prescribed displacements |r| is relative to the forces on all components, too
-        prescribed = 0.0 if self.imposed is None else float(np.linalg.norm(self.forces_on_all(d)))
+        prescribed = 0.0
+        if self.imposed is not None:
+            prescribed = float(np.linalg.norm(self.forces_on_all(d, fraction)))
         residual, size, relative = relative_residual(forces[:, : layout.n_equations], prescribed)
         return Assembly(
             self, d, forces, tuple(responses), values, tuple(term.iteration for term in self.terms),
@@ -148,9 +150,9 @@ class PathProblem:
 
     # ---- prescribed displacements ----
 
-    def forces_on_all(self, d) -> np.ndarray:
+    def forces_on_all(self, d, fraction: float) -> np.ndarray:
         """Sum the forces of the terms that act on prescribed components, at all components, (n, 2)."""
-        found = (term.forces(d) for term in self.terms)
+        found = (term.forces(d, fraction) for term in self.terms)
         return sum(forces for forces in found if forces is not None)
 
     def support_forces(self, step: ConvergedStep) -> np.ndarray:
@@ -161,7 +163,7 @@ class PathProblem:
         every = self.discretization.layout.every_component.equations
         # R = sum of the forces f~ of all terms at prescribed components; the body exerts -R
         total = np.zeros((every.size + 1, 1))
-        total[:-1, 0] = self.forces_on_all(step.d).ravel()
+        total[:-1, 0] = self.forces_on_all(step.d, step.fraction).ravel()
         tables = self.discretization.tables
         for table, response in zip(tables, step.responses, strict=True):
             if table is not None:
@@ -189,5 +191,5 @@ class PathProblem:
         if self.imposed is None:
             return 0.0
         # W = f_p . (u_p(target) - u_p(fraction)), sum over the prescribed components p
-        work = self.forces_on_all(d) * self.prescribed_increment(fraction, target)
+        work = self.forces_on_all(d, fraction) * self.prescribed_increment(fraction, target)
         return float(np.sum(work[self.discretization.layout.equations < 0]))

@@ -78,3 +78,13 @@ def von_mises_constants(material, t, j, h=None) -> np.ndarray:
     if h is None:
         return material.von_mises_constants(t, j)
     return material.von_mises_constants(*plane_state(t, j, h)) / h**3
+
+
+def energy(material, t, j, h=None) -> np.ndarray:
+    """Evaluate W, shape of ``t``."""
+    return material.energy(*plane_state(t, j, h))
+
+
+def constant_energies(material, t, j, h=None) -> np.ndarray:
+    """Evaluate dW / d constant, shape (n_constants, ...)."""
+    return material.constant_energies(*plane_state(t, j, h))

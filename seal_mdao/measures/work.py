@@ -18,7 +18,7 @@ class StrainEnergy(Measure):
 
     def evaluate(self, result, partials):
         partials.energy()[0] += 1.0
-        return result.term("structure").energy(result.end.d)
+        return result.term("structure").energy(result.end.d, result.end.fraction)
 
 
 @dataclass(frozen=True)
@@ -95,4 +95,4 @@ class FrictionWork(Measure):
         works = [ProfileWork(label).evaluate(result, partials) for label in profiles]
         # W_f = sum W_profile - Pi_elastic
         partials.energy()[0] -= 1.0
-        return sum(works) - result.term("structure").energy(result.end.d)
+        return sum(works) - result.term("structure").energy(result.end.d, result.end.fraction)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.materials.hoop_stretch import von_mises
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table
 from seal_mdao.seals.result import SealResult
@@ -75,9 +74,12 @@ class FineGrid:
         square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
         # and h of a body of revolution
         state = [square, jacobian, *f[:, 5:].T]
-        for number, region in enumerate(self.result.term("structure").definition.regions):
+        term, fraction = (
+            self.result.term("structure"), self.result.path.nominal_steps[step].fraction
+        )  # fmt: skip
+        for number, region in enumerate(term.definition.regions):
             at = self.region == number
-            stress[at] = von_mises(region.material, *(own[at] for own in state))[0]
+            stress[at] = term.von_mises(region, [own[at] for own in state], fraction)[0]
         return np.nan_to_num(stress, nan=np.nanmax(stress))
 
 

@@ -43,7 +43,7 @@ class BodyStates(NamedTuple):
         B, a group for a column of cells.
     weights, functions : ndarray, shapes (n_columns, q), (m, q)
         Of the quadrature, and of the pressure.
-    bulk : ndarray, shape (n_columns,)
+    bulk : ndarray, shape (K, n_columns)
         K of the projected energy.
     d : ndarray, shape (K, n, 2)
     deformation : Deformation
@@ -69,8 +69,10 @@ class ColumnLaw(NamedTuple):
         P, w cof F, w A, F and J - 1 of every point, at the rows of ``LawRows``.
     swelling : ndarray, shape (m, S)
         s_h.
-    mean, bulk : ndarray, shape (m, q)
-        N_h / V_h, and K N_h.
+    mean, functions : ndarray, shape (m, q)
+        N_h / V_h, and N_h.
+    bulk : ndarray, shape (S,)
+        K.
     on_cofactor : ndarray, shape (q, S)
         Written by ``product``: w cof F : e.
     swelling_rate : ndarray, shape (m, S)
@@ -82,6 +84,7 @@ class ColumnLaw(NamedTuple):
     values: np.ndarray
     swelling: np.ndarray
     mean: np.ndarray
+    functions: np.ndarray
     bulk: np.ndarray
     on_cofactor: np.ndarray
     swelling_rate: np.ndarray
@@ -123,22 +126,24 @@ def empty_law(table, m, count):
     q_count, rows = table.group_size, law_rows(strain_count(table))
     return ColumnLaw(
         np.empty((q_count, rows.count, count)), np.empty((m, count)), np.empty((m, q_count)),
-        np.empty((m, q_count)), np.empty((q_count, count)), np.empty((m, count)), np.empty(count),
+        np.empty((m, q_count)), np.empty(count), np.empty((q_count, count)), np.empty((m, count)),
+        np.empty(count),
     )  # fmt: skip
 
 
 @internal
 def linearize_column(states, column, step_of, law):
     """Compute L of one column at the steps ``step_of`` (S,), sorted."""
-    weights, functions, bulk = states.weights[column], states.functions, states.bulk[column]
+    weights, functions = states.weights[column], states.functions
     w, strains = states.w, strain_count(states.table)
     at, moduli = law_rows(strains), np.empty((strains, strains))
-    # N_h / V_h and K N_h
+    # N_h / V_h and N_h
     for h in range(len(functions)):
         volume = volume_of(functions[h], weights)
         for q in range(weights.size):
-            law.mean[h, q], law.bulk[h, q] = functions[h, q] / volume, bulk * functions[h, q]
+            law.mean[h, q], law.functions[h, q] = functions[h, q] / volume, functions[h, q]
     for s in range(step_of.size):
+        law.bulk[s] = states.bulk[step_of[s], column]
         for h in range(len(functions)):
             law.swelling[h, s] = states.deformation.swelling[step_of[s], column, h]
     for q in range(weights.size):
@@ -153,7 +158,7 @@ def linearize_column(states, column, step_of, law):
             # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
             f, w_t = states.deformation.f[k, column, q], w[0, k, column, q]
             swelling = states.deformation.swelling[k, column]
-            w_j = w[1, k, column, q] + bulk * at_point(functions, q, swelling)
+            w_j = w[1, k, column, q] + law.bulk[s] * at_point(functions, q, swelling)
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
             stress = point_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
@@ -176,7 +181,7 @@ def linearize_column(states, column, step_of, law):
             for r in range(strains):
                 for c in range(strains):
                     values[at.moduli + strains * r + c, s] = weights[q] * moduli[r, c]
-            values[at.change, s] = f[4]
+            values[at.change, s] = f[4] + states.deformation.offset[k, column]
 
 
 @internal
@@ -214,8 +219,8 @@ def product(law, weights, strain, weight_rate, p, out):
         values, pressure = law.values[q], law.pressure
         # p' = K sum_h N_h s_h'
         pressure[:] = 0.0
-        for h in range(len(law.bulk)):
-            _add_scaled(law.bulk[h, q], law.swelling_rate[h], pressure)
+        for h in range(len(law.functions)):
+            _add_pressure_rate(law.bulk, law.functions[h, q], law.swelling_rate[h], pressure)
         for r in range(at.strains):
             found = out[rows * q + r % 2, p, r // 2] if r < 4 else out[rows * q + 2, p, 0]
             # w A : e + w p' cof F + w' P
@@ -254,10 +259,10 @@ def _add_swelling_rate(mean, on_cof, weight_rate, change, swelling, out):
 
 
 @internal
-def _add_scaled(factor, values, out):
-    """out += factor values."""
+def _add_pressure_rate(bulk, function, swelling_rate, out):
+    """p' += K N_h s_h', over all states."""
     for s in range(out.size):
-        out[s] += factor * values[s]
+        out[s] += bulk[s] * function * swelling_rate[s]
 
 
 @internal

@@ -27,12 +27,19 @@ class Deformation(NamedTuple):
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
     swelling : ndarray, shape (K, n_columns, m)
-        Projected J - 1.
+        s_h, projected J - 1 + c.
+    fractions : ndarray, shape (K,)
+        Path parameters of the fields.
+    offset : ndarray, shape (K, n_columns)
+        c, minus the volume change that costs no energy (``materials.conditioned``); 0 in a body that
+        has no environment.
     """
 
     f: np.ndarray
     square: np.ndarray
     swelling: np.ndarray
+    fractions: np.ndarray
+    offset: np.ndarray
 
     @property
     def jacobian(self) -> np.ndarray:
@@ -51,8 +58,9 @@ def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
     # with h in a body of revolution
     size = 6 if cells.axisymmetric else 5
     return Deformation(
-        np.empty((*shape, size)), np.empty(shape), np.empty((*shape[:2], n_functions))
-    )
+        np.empty((*shape, size)), np.empty(shape), np.empty((*shape[:2], n_functions)),
+        np.zeros(n_fields), np.zeros(shape[:2]),
+    )  # fmt: skip
 
 
 @inlined
@@ -163,7 +171,9 @@ def deform(table, weights, functions, d, out):
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
         for h in range(len(functions)):
-            out.swelling[0, column, h] = _swelling(functions, h, weights, column, f)
+            out.swelling[0, column, h] = (
+                _swelling(functions, h, weights, column, f) + out.offset[0, column]
+            )
     return -1
 
 
@@ -216,14 +226,14 @@ def _deform_many(table, weights, functions, d, out):
                     f[5] = 1.0 + widening
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
             for h in range(len(functions)):
-                out.swelling[k, column, h] = _swelling(
-                    functions, h, weights, column, out.f[k, column]
+                out.swelling[k, column, h] = (
+                    _swelling(functions, h, weights, column, out.f[k, column])
+                    + out.offset[k, column]
                 )
 
 
-def deformations(cells, functions: np.ndarray, d: np.ndarray) -> Deformation:
-    """Deformation of a ``CellTable`` at displacement fields (K, n, 2) of converged steps."""
-    out = no_deformation(len(d), cells, len(functions))
+def fill_deformations(cells, functions: np.ndarray, d: np.ndarray, out: Deformation) -> Deformation:
+    """Fill the deformation of a ``CellTable`` at displacement fields (K, n, 2) of converged steps."""
     _deform_many(cells.table, cells.column_weights, functions, d, out)
     return out
 
@@ -276,5 +286,6 @@ def particle_gradients(table, cells, d, out):
 def lowest_jacobian(path) -> float:
     """Least det F of all quadrature points at the nominal steps of a path; 1 before the first."""
     structure, steps = path.problem.term("structure"), path.nominal_steps
-    found = [structure.deformation_of(step.d[None]).jacobian.min() for step in steps]
+    fields = (structure.deformation_of(step.d[None], [step.fraction]) for step in steps)
+    found = [field.jacobian.min() for field in fields]
     return float(min(found, default=1.0))

@@ -6,15 +6,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.materials import hoop_stretch
+from seal_mdao.materials import conditioned, hoop_stretch
 from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
     deform,
-    deformations,
+    fill_deformations,
     no_deformation,
 )
 from seal_mdao.structure.energy_gradient import BodySeeds
+from seal_mdao.structure.environment import (
+    Environment,
+    Growth,
+    at_points,
+    region_conditions,
+)
 from seal_mdao.structure.internal_force import assemble_internal, plane_jacobian
 from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
 from seal_mdao.terms.term import Scalar, Term, TermDefinition
@@ -32,11 +38,14 @@ class Region(NamedTuple):
         Places of the cells; None for all of them.
     prefix : str
         Put before the names of the material's constants.
+    growth : Growth
+        By heat and swelling, where the body has an environment.
     """
 
     material: object
     cells: np.ndarray | None = None
     prefix: str = ""
+    growth: Growth = Growth()
 
     @property
     def name(self) -> str:
@@ -50,9 +59,14 @@ class Region(NamedTuple):
 
     def with_parameters(self, values: dict) -> "Region":
         """The region with some constants changed; names of others are passed over."""
-        pairs = zip(self.names, self.material.names, strict=True)
-        own = {constant: values[name] for name, constant in pairs if name in values}
-        return self._replace(material=self.material.with_(**own)) if own else self
+        own = {
+            name.removeprefix(self.prefix): value
+            for name, value in values.items()
+            if name.startswith(self.prefix)
+        }
+        constants = {name: own[name] for name in self.material.names if name in own}
+        material = self.material.with_(**constants) if constants else self.material
+        return self._replace(material=material, growth=self.growth.with_parameters(own))
 
     @property
     def at(self):
@@ -68,15 +82,18 @@ class ElasticBody(TermDefinition):
     ----------
     regions : tuple of Region
         They divide the cells.
+    environment : Environment, optional
+        Axial stretch and temperature along the path.
     """
 
     regions: tuple
+    environment: Environment | None = None
     label = "structure"
 
     @property
     def scalars(self) -> dict:
-        """Constants of all regions; equal names are one parameter."""
-        return {
+        """Constants of all regions; equal names are one parameter. Then those of the environment."""
+        found = {
             region.prefix + name: Scalar(
                 value,
                 "kPa" if name in region.material.moduli else None,
@@ -85,10 +102,30 @@ class ElasticBody(TermDefinition):
             for region in self.regions
             for name, value in region.material.constants.items()
         }
+        if self.environment is None:
+            return found
+        found |= {
+            region.prefix + name: scalar
+            for region in self.regions
+            for name, scalar in region.growth.scalars.items()
+        }
+        return found | self.environment.scalars
 
     def with_parameters(self, values: dict) -> "ElasticBody":
         """The body with some constants changed."""
-        return replace(self, regions=tuple(r.with_parameters(values) for r in self.regions))
+        environment = self.environment
+        return replace(
+            self,
+            regions=tuple(region.with_parameters(values) for region in self.regions),
+            environment=None if environment is None else environment.with_parameters(values),
+        )
+
+    def with_ends(self, ends) -> "ElasticBody":
+        """The same body in other load steps, whose ``ends`` are in nominal steps."""
+        if self.environment is None:
+            return self
+        grown = (r._replace(growth=r.growth.with_ends(ends)) for r in self.regions)
+        return replace(self, regions=tuple(grown), environment=self.environment.with_ends(ends))
 
     def on(self, discretization, index) -> "StructuralTerm":
         """The term on one design."""
@@ -108,8 +145,15 @@ def elastic_body(material, prefix: str = "") -> ElasticBody:
 
 
 class StructuralResponse(NamedTuple):
-    """What the structural form answers: nothing but its force, which is in the buffers."""
+    """What the structural form answers: its force is in the buffers.
 
+    Attributes
+    ----------
+    fraction : float
+        Path parameter of the environment.
+    """
+
+    fraction: float = 0.0
     history: None = None
     branch: np.ndarray = _NO_BRANCH
     unconverged: int = 0
@@ -117,6 +161,22 @@ class StructuralResponse(NamedTuple):
     def copied(self):
         """Itself."""
         return self
+
+
+class ColumnsVolumetric(NamedTuple):
+    """Volumetric energy K*/2 (s + c)^2 of the columns of cells at K path parameters.
+
+    Attributes
+    ----------
+    bulk, offset : ndarray, shape (K, n_columns)
+        K* over K, and c.
+    rates : dict of str to ndarray, shape (2, K, n_columns)
+        Derivatives of both in the parameters of the environment.
+    """
+
+    bulk: np.ndarray
+    offset: np.ndarray
+    rates: dict
 
 
 class StructuralTerm(Term):
@@ -134,13 +194,13 @@ class StructuralTerm(Term):
         size = discretization.body.support_radius.max() * discretization.depth
         self.rounding = float(self.bulk.max() * size)
 
-    def _per_column(self, values, dtype=float) -> np.ndarray:
+    def _per_column(self, values, dtype=float, what="bulk moduli") -> np.ndarray:
         """A value of each region spread to the columns of cells, shape (n_columns,).
 
         Raises
         ------
         ValueError
-            When two materials with different ones meet in a column.
+            When two materials with different ones meet in a column, in words for ``what`` they are.
         """
         cells = self.definition.per_cell(values, len(self.cells.weights), dtype)
         columns = cells.reshape(self.cells.raw.n_groups, -1)
@@ -149,7 +209,7 @@ class StructuralTerm(Term):
         if mixed.size:
             raise ValueError(
                 f"column {mixed[0]} of {columns.shape[1]} cells, through which the pressure is "
-                "continuous, has two bulk moduli; use one there, or one pressure a cell"
+                f"continuous, has two {what}; use one there, or one pressure a cell"
             )
         return columns[:, 0].copy()
 
@@ -171,30 +231,61 @@ class StructuralTerm(Term):
     def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
         """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q); in a body of revolution
         also W_h, W_Th, W_Jh, W_hh, shape (9, ...)."""
-        around = deformation.hoop is not None
+        around, environment = deformation.hoop is not None, self.definition.environment
         # one material: no copies
-        if len(self.definition.regions) == 1 and not around:
+        if len(self.definition.regions) == 1 and not around and environment is None:
             material = self.definition.regions[0].material
             return material.derivatives(deformation.square, deformation.jacobian)
         out = np.empty((hoop_stretch.ROWS if around else 5, *deformation.square.shape))
         rows = self._by_cell(out)
         # every region by its own law
         for region, state in self._by_region(deformation):
-            rows[:, :, region.at] = hoop_stretch.derivatives(region.material, *state)
+            if environment is None:
+                found = hoop_stretch.derivatives(region.material, *state)
+            else:
+                own = self._conditions(region, deformation).conditions
+                found = conditioned.derivatives(region.material, state, own)
+            rows[:, :, region.at] = found
         return out
 
     def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
         """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q); in a body of
-        revolution d(W_T, W_J, W_h), shape (C, 3, ...)."""
+        revolution d(W_T, W_J, W_h), shape (C, 3, ...). In W_J is the pressure that a parameter adds
+        beside that of ``bulk_rates``."""
         around = deformation.hoop is not None
         out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
             # d(W_T, W_J)/dc; equal names are one parameter
-            rows = hoop_stretch.constant_derivatives(region.material, *state)
-            for name, row in zip(region.names, rows, strict=True):
-                by_cell[self.names.index(name)][:, :, region.at] = row
+            if self.definition.environment is None:
+                rows = hoop_stretch.constant_derivatives(region.material, *state)
+                found = zip(region.names, rows, strict=True)
+            else:
+                found = self._rates_of_region(region, state, deformation)
+            for name, row in found:
+                by_cell[self.names.index(name)][:, :, region.at] += row
+        # K* c' acts with W_J
+        bulk = self.bulk_at(deformation.fractions)
+        for name, (_, offset) in self._volumetric(deformation.fractions).rates.items():
+            out[self.names.index(name), 1] += (bulk * offset)[..., None]
         return out
+
+    def _rates_of_region(self, region: Region, state, deformation: Deformation):
+        """Yield the parameters of a region in an environment, and d(W_T, W_J, W_h) / d(each)."""
+        own = self._conditions(region, deformation)
+        rows = conditioned.constant_derivatives(region.material, state, own.conditions)
+        yield from zip(region.names, rows, strict=True)
+        # d(W_T, W_J)/dp = d(W_T, W_J)/d(h, theta, m) . d(h, theta, m)/dp
+        by_conditions = conditioned.rates(region.material, state, own.conditions)
+        for name, rates in own.rates.items():
+            yield name, (by_conditions * rates[:, None]).sum(axis=0)
+
+    def _conditions(self, region: Region, deformation: Deformation):
+        """``RegionConditions`` of a region at the path parameters of K fields."""
+        environment, fractions = self.definition.environment, deformation.fractions
+        return region_conditions(environment, region.growth, region.prefix, fractions)
+
+    # ---- the projected pressure p = K* (s + c) ----
 
     @cached_property
     def bulk_row(self) -> np.ndarray:
@@ -206,6 +297,49 @@ class StructuralTerm(Term):
             for region in self.definition.regions
         ]
         return self._per_column(rows, int)
+
+    @cached_property
+    def column_regions(self) -> np.ndarray:
+        """Number of the region of every column of cells, shape (n_columns,)."""
+        return self._per_column(range(len(self.definition.regions)), int, "materials")
+
+    def _volumetric(self, fractions) -> "ColumnsVolumetric":
+        """What the environment does to K and to the volume change, of every column of cells."""
+        shape, environment = (len(fractions), len(self.bulk)), self.definition.environment
+        if environment is None:
+            return ColumnsVolumetric(np.ones(shape), np.zeros(shape), {})
+        out, rates = np.empty((2, *shape)), {}
+        for number, region in enumerate(self.definition.regions):
+            own = region_conditions(environment, region.growth, region.prefix, fractions)
+            law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
+            out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
+            slopes = np.array([law.bulk_rates, law.offset_rates])
+            for name, by_name in own.rates.items():
+                # d(K*/K, c)/dp = d(K*/K, c)/d(h, theta, m) . d(h, theta, m)/dp
+                found = rates.setdefault(name, np.zeros((2, *shape)))
+                found[:, :, columns] = (slopes * by_name).sum(axis=1).reshape(2, -1, 1)
+        return ColumnsVolumetric(*out, rates)
+
+    def bulk_at(self, fractions) -> np.ndarray:
+        """K* of every column at path parameters (K,), shape (K, n_columns)."""
+        return self.bulk * self._volumetric(fractions).bulk
+
+    def bulk_rates(self, fractions) -> np.ndarray:
+        """dK* / d(every parameter) at path parameters (K,), shape (C, K, n_columns)."""
+        own = self._volumetric(fractions)
+        out = np.zeros((len(self.names), *own.bulk.shape))
+        for number in range(len(self.names)):
+            out[number] = np.where(self.bulk_row == number, own.bulk, 0.0)
+        for name, (by_name, _) in own.rates.items():
+            out[self.names.index(name)] += self.bulk * by_name
+        return out
+
+    def _placed(self, deformation: Deformation, fractions) -> Deformation:
+        """Set the path parameters of a deformation whose arrays are to be filled."""
+        deformation.fractions[:] = fractions
+        if self.definition.environment is not None:
+            deformation.offset[:] = self._volumetric(fractions).offset
+        return deformation
 
     @cached_property
     def particle_regions(self) -> np.ndarray:
@@ -238,37 +372,67 @@ class StructuralTerm(Term):
             np.maximum.at(sides, which, cell_regions[real])
         return np.concatenate([self.particle_regions, sides, cell_regions])
 
-    def deformation_of(self, d: np.ndarray) -> Deformation:
-        """Deformation at displacement fields (K, n, 2) that are known to be admissible."""
-        return deformations(self.cells, self.functions, d)
+    def deformation_of(self, d: np.ndarray, fractions) -> Deformation:
+        """Deformation at displacement fields (K, n, 2) that are known to be admissible, at path
+        parameters (K,)."""
+        out = no_deformation(len(d), self.cells, len(self.functions))
+        return fill_deformations(self.cells, self.functions, d, self._placed(out, fractions))
 
     def pressure(self, deformation: Deformation) -> np.ndarray:
-        """K sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
-        # p = K sum_h N_h s_h
-        return self.bulk[:, None] * (deformation.swelling @ self.functions)
+        """K* sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
+        # p = K* sum_h N_h s_h
+        bulk = self.bulk_at(deformation.fractions)
+        return bulk[..., None] * (deformation.swelling @ self.functions)
 
     def squared_swelling(self, deformation: Deformation) -> np.ndarray:
         """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
         # sum_h N_h s_h^2
         return deformation.swelling[0] ** 2 @ self.functions
 
+    # ---- stress at points ----
+
+    def von_mises(self, region: Region, state, fraction: float) -> np.ndarray:
+        """Von Mises stress at states (T, J), or (T, J, h), of a region, and its derivatives in them,
+        shape (3 or 4, ...)."""
+        environment = self.definition.environment
+        if environment is None:
+            return hoop_stretch.von_mises(region.material, *state)
+        own = at_points(region_conditions(environment, region.growth, region.prefix, [fraction]))
+        return conditioned.von_mises(region.material, state, own.conditions)
+
+    def von_mises_rates(self, region: Region, state, fraction: float):
+        """Yield the parameters of a region and d sigma_vm / d(each) at states of it."""
+        environment, material = self.definition.environment, region.material
+        if environment is None:
+            rows = hoop_stretch.von_mises_constants(material, *state)
+            yield from zip(region.names, rows, strict=True)
+            return
+        own = at_points(region_conditions(environment, region.growth, region.prefix, [fraction]))
+        rows = conditioned.von_mises_constants(material, state, own.conditions)
+        yield from zip(region.names, rows, strict=True)
+        # d sigma/dp = d sigma/d(h, theta, m) . d(h, theta, m)/dp
+        by_conditions = conditioned.von_mises_rates(material, state, own.conditions)
+        for name, rates in own.rates.items():
+            yield name, (by_conditions * rates).sum(axis=0)
+
     # ---- the contract of a term ----
 
     def add(self, d, raw, fraction, history, force, values):
         scatter = self.discretization.layout.scatter[0]
-        if not self._assemble(self.cells.raw, raw, scatter, force, values):
+        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values):
             return None
-        return StructuralResponse()
+        return StructuralResponse(fraction)
 
-    def _assemble(self, table, d, scatter, force, values, before=None) -> bool:
+    def _assemble(self, table, d, fraction, scatter, force, values, before=None) -> bool:
         """Assemble at displacements ``d``; the tangent of a mixed iteration where the displacements
         ``before`` of the last one are given. False where a point is inverted."""
         weights, functions = self.cells.column_weights, self.functions
+        self._placed(self.deformation, [fraction])
         if deform(table, weights, functions, d, self.deformation) >= 0:
             return False
         # W_T, W_J, W_TT, W_TJ, W_JJ at F
         w, now = self.energy_derivatives(self.deformation)[:, 0], self.deformation
-        quadrature, law = (table, weights, functions), (0, w, self.bulk, scatter)
+        quadrature, law = (table, weights, functions), (0, w, self.bulk_at([fraction])[0], scatter)
         if before is None:
             assemble_internal(*quadrature, now, *law, force, values)
             return True
@@ -320,30 +484,44 @@ class StructuralTerm(Term):
         """The pressure in the tangent is K times the linearised swelling: what a linearised rotation
         adds to det F is of second order, but not when the bulk modulus multiplies it."""
         scatter, before = self.discretization.layout.scatter[0], self._before
-        if not self._assemble(self.cells.raw, raw, scatter, force, values, before):
+        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values, before):
             return None
         self._before = raw
-        return StructuralResponse()
+        return StructuralResponse(fraction)
 
-    def forces(self, d: np.ndarray) -> np.ndarray | None:
+    def changes(self, step, response, target):
+        if self.definition.environment is None:
+            return []
+        # dR = R(s_target) - R(s) at fixed displacements
+        disc, found = self.discretization, []
+        for fraction in (step.fraction, target):
+            force = np.zeros(disc.layout.force_size)
+            raw = disc.transformation.coefficients(step.d)
+            scatter = disc.layout.scatter[0]
+            self._assemble(self.cells.raw, raw, fraction, scatter, force, np.empty(0))
+            found.append(force)
+        return [found[1] - found[0]]
+
+    def forces(self, d: np.ndarray, fraction: float) -> np.ndarray | None:
         """Internal forces of all components, imposed ones included, shape (n, 2); None if inverted.
 
         At an imposed component of a converged step this is the force that holds it there.
         """
         every = self.discretization.layout.every_component
         force = np.zeros(2 * len(d) + 1)
-        if not self._assemble(self.cells.table, d, every, force, np.empty(0)):
+        if not self._assemble(self.cells.table, d, fraction, every, force, np.empty(0)):
             return None
         return force[:-1].reshape(-1, 2)
 
     def potential(self, d, response) -> float:
-        return self.energy(d)
+        return self.energy(d, response.fraction)
 
-    def energy(self, d: np.ndarray) -> float:
+    def energy(self, d: np.ndarray, fraction: float) -> float:
         """Strain energy per unit depth, mJ/m."""
-        deformation, weights = self.deformation_of(d[None]), self.cells.column_weights
+        deformation = self.deformation_of(d[None], [fraction])
+        weights, bulk = self.cells.column_weights, self.bulk_at([fraction])[0]
         # W = sum_q w W(T, J) + sum_h K/2 V_h s_h^2, V_h = sum_q N_h w
-        volumetric = 0.5 * self.bulk[:, None] * self.squared_swelling(deformation)
+        volumetric = 0.5 * bulk[:, None] * self.squared_swelling(deformation)
         return float((weights * (self.density(deformation) + volumetric)).sum())
 
     def density(self, deformation: Deformation) -> np.ndarray:
@@ -351,7 +529,11 @@ class StructuralTerm(Term):
         out = np.empty(deformation.square.shape)
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            by_cell[:, region.at] = region.material.energy(*hoop_stretch.plane_state(*state))
+            if self.definition.environment is None:
+                by_cell[:, region.at] = hoop_stretch.energy(region.material, *state)
+                continue
+            own = self._conditions(region, deformation).conditions
+            by_cell[:, region.at] = conditioned.energy(region.material, state, own)
         return out[0]
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
@@ -359,10 +541,38 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            rows = region.material.constant_energies(*hoop_stretch.plane_state(*state))
-            for name, row in zip(region.names, rows, strict=True):
-                by_cell[self.names.index(name)][:, region.at] = row
+            if self.definition.environment is None:
+                rows = hoop_stretch.constant_energies(region.material, *state)
+                found = zip(region.names, rows, strict=True)
+            else:
+                found = self._energy_rates_of_region(region, state, deformation)
+            for name, row in found:
+                by_cell[self.names.index(name)][:, region.at] += row
         return out[:, 0]
+
+    def _energy_rates_of_region(self, region: Region, state, deformation: Deformation):
+        """Yield the parameters of a region in an environment, and dW / d(each)."""
+        own = self._conditions(region, deformation)
+        rows = conditioned.constant_energies(region.material, state, own.conditions)
+        yield from zip(region.names, rows, strict=True)
+        # dW/dp = dW/d(h, theta, m) . d(h, theta, m)/dp
+        by_conditions = conditioned.energy_rates(region.material, state, own.conditions)
+        for name, rates in own.rates.items():
+            yield name, (by_conditions * rates).sum(axis=0)
+
+    def energy_by_constants(self, deformation: Deformation) -> np.ndarray:
+        """dE / d(every parameter) of one field, shape (C,)."""
+        weights, fractions = self.cells.column_weights, deformation.fractions
+        # sum_q w dW/dp
+        out = np.einsum("ncq,cq->n", self.constant_densities(deformation), weights)
+        # dK*/dp sum_h V_h s_h^2 / 2
+        squares = (weights * self.squared_swelling(deformation)).sum(axis=1)
+        out += 0.5 * self.bulk_rates(fractions)[:, 0] @ squares
+        # K* c' sum_h V_h s_h
+        pressure = (weights * self.pressure(deformation)[0]).sum(axis=1)
+        for name, (_, offset) in self._volumetric(fractions).rates.items():
+            out[self.names.index(name)] += offset[0] @ pressure
+        return out
 
     # ---- sensitivities ----
 
@@ -373,12 +583,13 @@ class StructuralTerm(Term):
     def linearization(self, step, following=None, measured=True) -> LinearizedBody:
         return LinearizedBody(self, step)
 
-    def states(self, d: np.ndarray) -> BodyStates:
-        """The body at displacement fields (K, n, 2) of converged steps, and its derivatives W_T, ..."""
-        deformation = self.deformation_of(d)
+    def states(self, steps) -> BodyStates:
+        """The body at converged steps, and its derivatives W_T, ..."""
+        d, fractions = np.array([step.d for step in steps]), [step.fraction for step in steps]
+        deformation = self.deformation_of(d, fractions)
         return BodyStates(
-            self.cells.table, self.cells.column_weights, self.functions, self.bulk, d, deformation,
-            self.energy_derivatives(deformation),
+            self.cells.table, self.cells.column_weights, self.functions, self.bulk_at(fractions), d,
+            deformation, self.energy_derivatives(deformation),
         )  # fmt: skip
 
     def linearization_of_block(self, steps) -> BodyBlock:

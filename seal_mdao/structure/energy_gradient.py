@@ -1,6 +1,6 @@
 """Strain energy as something to measure: its derivatives at a converged step.
 
-E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = J - 1
+E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = J - 1 + c
 
 dE/dd   = internal force
 dE/dw   = W + K sum_h N_h (s_h e - s_h^2 / 2)
@@ -69,24 +69,22 @@ class EnergyGradient(NamedTuple):
     constants: np.ndarray
 
 
-def energy_gradient(term, d: np.ndarray) -> EnergyGradient:
-    """Derivatives of the strain energy of a ``StructuralTerm`` at coefficients ``d`` (n, 2)."""
-    table, weights = term.cells.table, term.cells.column_weights
-    deformation = term.deformation_of(d[None])
+def energy_gradient(term, step) -> EnergyGradient:
+    """Derivatives of the strain energy of a ``StructuralTerm`` at a converged step."""
+    table, weights, d = term.cells.table, term.cells.column_weights, step.d
+    deformation = term.deformation_of(d[None], [step.fraction])
+    bulk = term.bulk_at([step.fraction])[0]
     pressure, squares = term.pressure(deformation)[0], term.squared_swelling(deformation)
     # dE/dw = W + K sum_h N_h (s_h e - s_h^2 / 2)
-    on_weights = term.density(deformation) + pressure * deformation.f[0, ..., 4]
-    on_weights -= 0.5 * term.bulk[:, None] * squares
+    change = deformation.f[0, ..., 4] + deformation.offset[0, :, None]
+    on_weights = term.density(deformation) + pressure * change
+    on_weights -= 0.5 * bulk[:, None] * squares
     grad = np.empty(table.grad.size)
     w = term.energy_derivatives(deformation)[:, 0]
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
-    # dE/dc = sum_q w dW/dc,  dE/dK = sum_h V_h s_h^2 / 2
-    constants = np.einsum("ncq,cq->n", term.constant_densities(deformation), weights)
-    for row in range(len(constants)):
-        own = term.bulk_row == row
-        constants[row] += 0.5 * float((weights[own] * squares[own]).sum())
     on_weights = on_weights.reshape(term.cells.weights.shape)
-    return EnergyGradient(term.forces(d), grad, on_weights, constants)
+    constants = term.energy_by_constants(deformation)
+    return EnergyGradient(term.forces(d, step.fraction), grad, on_weights, constants)
 
 
 @compiled

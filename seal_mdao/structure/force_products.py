@@ -145,14 +145,15 @@ def _weight_seeds(law, at, strain, q, out):
     """Compute w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h, p_h = K s_h', at point ``q``."""
     change, first = law.values[q, at.change], q * (len(strain) // len(law.values))
     contract(law.values[q], at.stress, at.strains, strain, first, 0, out)
-    for h in range(len(law.bulk)):
+    for h in range(len(law.functions)):
         for s in range(out.size):
-            # law.bulk is K N_h
-            out[s] += law.bulk[h, q] * (change[s] - law.swelling[h, s]) * law.swelling_rate[h, s]
+            # K N_h (e - s_h) s_h'
+            bulk, beyond = law.bulk[s] * law.functions[h, q], change[s] - law.swelling[h, s]
+            out[s] += bulk * beyond * law.swelling_rate[h, s]
 
 
 @internal
-def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_row, step_of, out):
+def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_rates, step_of, out):
     """Compute the seeds on the constants c, ``out`` (C, S): sum_q w (dP/dc) : e."""
     functions, on_f, most = states.functions, np.empty(step_of.size), len(by_constants)
     at, per_point = law_rows(strain_count(states.table)), grad_rows(states.table)
@@ -170,10 +171,12 @@ def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_row
                     # + W_hc w e_h
                     by_h = by_constants[c, 2, step_of[s], column, q]
                     out[c, s] += weights[q] * by_h * strain[3 * q + 2, 0, 0, s]
-        for h in range(len(functions) if bulk_row >= 0 else 0):
             for s in range(step_of.size):
-                # w dP/dK : e = sum_h N_h s_h w cof F : e
-                out[bulk_row, s] += functions[h, q] * law.swelling[h, s] * on_cof[s]
+                rate = bulk_rates[c, step_of[s], column]
+                if rate != 0.0:
+                    # w dP/dK : e = sum_h N_h s_h w cof F : e
+                    for h in range(len(functions)):
+                        out[c, s] += rate * (functions[h, q] * law.swelling[h, s] * on_cof[s])
 
 
 @internal
@@ -185,14 +188,14 @@ def _add_rows(values, first, end, out, at):
 
 
 @compiled
-def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equations, out):
+def add_force_seeds(states, by_constants, bulk_rates, step_of, adjoints, mix, equations, out):
     """Add the seeds of L = -lambda . f on B, w and the constants, the transpose of ``add_force_rates``.
 
     Parameters
     ----------
     states : BodyStates
-    by_constants, bulk_row : ndarray, shapes (C, 2, K, n_columns, q), (n_columns,)
-        d(W_T, W_J)/dc, and which constant is K of a column, -1 for none.
+    by_constants, bulk_rates : ndarray, shapes (C, 2, K, n_columns, q), (C, K, n_columns)
+        d(W_T, W_J)/dc, and dK/dc.
     step_of : ndarray of int, shape (S,)
         Step of every adjoint, sorted.
     adjoints, mix : ndarray, shapes (n_equations + 1, S), (S, M)
@@ -248,7 +251,7 @@ def add_force_seeds(states, by_constants, bulk_row, step_of, adjoints, mix, equa
                     # of h: along the first component
                     own[0, s], own[1, s] = weights[q] * p[s], 0.0
         _constant_seeds(
-            law, strains, weights, states, column, by_constants, bulk_row[column], step_of,
+            law, strains, weights, states, column, by_constants, bulk_rates, step_of,
             of_adjoints[size + q_count :],
         )  # fmt: skip
         _outer(stress, lam.reshape(n, 2, total), dual, moved, of_adjoints)

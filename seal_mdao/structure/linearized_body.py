@@ -93,7 +93,7 @@ class BodyBlock:
     def __init__(self, term, steps, scatter=None):
         self.term, layout = term, term.discretization.layout
         self.scatter = layout.force_scatter if scatter is None else scatter
-        self.states = term.states(np.array([step.d for step in steps]))
+        self.states = term.states(steps)
 
     def add_rates(self, design: BodyDesign, loads) -> None:
         """f' = B^T (w P)' + B'^T w P, Eq. (46), and what the constants do."""
@@ -105,17 +105,18 @@ class BodyBlock:
     def _add_constants(self, constant_rates, loads):
         """The force is linear in W_T, W_J, W_h and K; so its rates are forces of their rates."""
         states, by_constants = self.states, self.term.constant_derivatives(self.states.deformation)
+        bulk_rates = self.term.bulk_rates(states.deformation.fractions)
         quadrature, w = (states.table, states.weights, states.functions), np.zeros_like(states.w)
         for row, rate in enumerate(constant_rates):
             if not rate.any():
                 continue
-            # f with W_T, W_J, W_h replaced by their derivatives in the constant, and K by 1 or 0
-            bulk, w[:2] = (self.term.bulk_row == row).astype(float), by_constants[row, :2]
+            # f with W_T, W_J, W_h and K replaced by their derivatives in the constant
+            w[:2] = by_constants[row, :2]
             w[W_H : W_H + 1] = by_constants[row, 2:]
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    *quadrature, states.deformation, k, w[:, k], bulk, self.scatter, force,
+                    *quadrature, states.deformation, k, w[:, k], bulk_rates[row, k], self.scatter, force,
                     np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
@@ -123,12 +124,12 @@ class BodyBlock:
     def pull_back(self, adjoints, mixes, design: BodyDesign) -> None:
         """The transpose: seeds of -lambda . f on B, w and the constants."""
         term, n_steps = self.term, len(self.states.d)
-        constants = np.empty((0, *self.states.w[:2].shape))
-        bulk_row = np.full_like(term.bulk_row, -1)
+        constants, bulk_rates = np.empty((0, *self.states.w[:2].shape)), np.empty((0, n_steps, 0))
         if design.wanted:
-            constants, bulk_row = term.constant_derivatives(self.states.deformation), term.bulk_row
+            constants = term.constant_derivatives(self.states.deformation)
+            bulk_rates = term.bulk_rates(self.states.deformation.fractions)
         add_force_seeds(
-            self.states, constants, bulk_row, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
+            self.states, constants, bulk_rates, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
             np.hstack(adjoints), np.vstack(mixes), self.scatter.equations,
             (design.grad, design.weights, design.parameters[: len(constants)]),
         )  # fmt: skip
@@ -187,11 +188,11 @@ class LinearizedBody(LinearizedTerm):
     @cached_property
     def energy(self):
         """``EnergyGradient`` of the step."""
-        return energy_gradient(self.term, self.step.d)
+        return energy_gradient(self.term, self.step)
 
     def add_change(self, nodal, equations, out) -> None:
         """Add K u for displacements u (n, 2, P) of all particles to ``out``."""
-        states = self.term.states(self.step.d[None])
+        states = self.term.states([self.step])
         add_tangent_product(states, np.ascontiguousarray(nodal), equations, out)
 
     # ---- direct ----

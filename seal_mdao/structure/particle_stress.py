@@ -3,7 +3,6 @@
 import numpy as np
 
 from seal_mdao.compilation import compiled
-from seal_mdao.materials import hoop_stretch
 from seal_mdao.rkpm.shape_functions import grad_rows
 from seal_mdao.structure.deformation import group_gradients
 
@@ -59,14 +58,13 @@ def particle_stress(path, points: np.ndarray, step=None):
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
         state = (t[at], j[at], *h[:, at])
-        value, by_t, by_j, *by_h = hoop_stretch.von_mises(region.material, *state)
+        value, by_t, by_j, *by_h = structure.von_mises(region, state, step.fraction)
         stress[at] = value
         # d sigma/dF = 2 sigma_T F + sigma_J h cof F
         by_gradient[at, :4] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
         for row in by_h:
             # d sigma/dh = sigma_h + sigma_J det F
             by_gradient[at, 4] = row + by_j * (j[at] / h[0, at])
-        rows = hoop_stretch.von_mises_constants(region.material, *state)
-        for name, row in zip(region.names, rows, strict=True):
+        for name, row in structure.von_mises_rates(region, state, step.fraction):
             by_constants.setdefault(name, np.zeros(len(points)))[at] = row
     return stress, by_gradient, by_constants

@@ -176,9 +176,9 @@ class Term:
         ``iteration`` has to satisfy (``contact.self_linear``); None without any."""
         return None
 
-    def forces(self, d) -> np.ndarray | None:
-        """Compute the forces (n, 2) on all components, prescribed ones included; None for a term that
-        does not act on these."""
+    def forces(self, d, fraction: float) -> np.ndarray | None:
+        """Compute the forces (n, 2) on all components at a path parameter, prescribed ones too;
+        None for a term that does not act on these."""
         return None
 
     def check_start(self, response: Response) -> None:

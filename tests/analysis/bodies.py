@@ -104,7 +104,7 @@ def internal(disc, d, constants=CONSTANTS, tangent=True):
 
 
 def energy(disc, d, constants=CONSTANTS):
-    return structure(disc, constants).energy(d)
+    return structure(disc, constants).energy(d, 0.0)
 
 
 def dense(layout, values):

@@ -25,7 +25,7 @@ def stored(result):
         normal = 0.5 * options_of(seal).normal_penalty * np.sum((length * door.gap**2)[closed])
         slip = door.history.variables[closed, 2]
         tangential = 0.5 * options_of(seal).tangent_penalty * np.sum(length[closed] * slip**2)
-        out.append(structure.energy(step.d) + normal + tangential)
+        out.append(structure.energy(step.d, step.fraction) + normal + tangential)
     return np.array(out)
 
 

@@ -104,12 +104,12 @@ def test_swelling_beyond_its_linearisation(any_body, rng):
     term, du = structure(disc), 0.02 * rng.standard_normal(d.shape)
 
     def swelling(at):
-        return term.deformation_of(at[None]).swelling[0]
+        return term.deformation_of(at[None], [0.0]).swelling[0]
 
     linear = slope(lambda s: swelling(d - du + s * du), 1e-2)
     exact = swelling(d) - swelling(d - du) - linear
     # takes the state at d
-    assert term.forces(d) is not None
+    assert term.forces(d, 0.0) is not None
     found = term._beyond_linear(disc.cells.table, du)
     np.testing.assert_allclose(found, exact, rtol=0.0, atol=1e-10 * np.abs(linear).max())
 
@@ -217,7 +217,7 @@ def test_inverted_point_has_no_answer(rng):
     assert np.any(disc.body.cells[inverted] == 14)
     force = np.zeros(layout.force_size)
     assert term.add(d, disc.transformation.coefficients(d), 0.0, None, force, np.empty(0)) is None
-    assert term.forces(d) is None
+    assert term.forces(d, 0.0) is None
 
 
 def test_particles_must_fit_the_body(rng):

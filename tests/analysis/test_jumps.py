@@ -80,7 +80,7 @@ def test_the_limit_point_tells_what_is_released(folder):
     result = lip(folder, 1e-4, 72)
     (jump,) = result.critical_points
     before = [step for step in result.path.steps if step.fraction <= jump.fraction][-1]
-    stored = result.term("structure").energy(before.d)
+    stored = result.term("structure").energy(before.d, before.fraction)
     assert jump.kind == "limit"
     assert jump.released == pytest.approx(stored, rel=0.05)
     assert stored > 10.0

@@ -193,7 +193,7 @@ def test_base_carries_the_door(nominal):
     model, structure = nominal.seal, nominal.term("structure")
     for place in (30, 60, 104):
         step, door = nominal.path.nominal_steps[place], nominal.path.at_nominal("door")[place]
-        base = structure.forces(step.d)[options_of(model).grid.base]
+        base = structure.forces(step.d, step.fraction)[options_of(model).grid.base]
         x = nominal.particles[options_of(model).grid.base]
         np.testing.assert_allclose(base.sum(axis=0), door.total, rtol=0.0, atol=1e-8)
         moment = np.sum(x[:, 0] * base[:, 1] - x[:, 1] * base[:, 0])
@@ -286,9 +286,9 @@ def test_dead_load_is_balanced_by_the_base():
         path = solve_path(
             PathProblem(discretize(model.body, model.nominal_particles, terms), terms), 1
         )
-        prescribed = path.problem.term("structure").forces(path.steps[-1].d)[
-            options_of(model).grid.base
-        ]
+        prescribed = path.problem.term("structure").forces(
+            path.steps[-1].d, path.steps[-1].fraction
+        )[options_of(model).grid.base]
         np.testing.assert_allclose(prescribed.sum(axis=0), [-0.3 * size, size], rtol=0.0, atol=1e-9)
         tops.append(path.displacement()[top])
     np.testing.assert_allclose(tops[1], 2 * tops[0], rtol=1e-3)

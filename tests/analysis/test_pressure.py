@@ -1,6 +1,7 @@
 """The pressure through columns of cells: its functions, and one value a cell as a special case."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -95,7 +96,9 @@ def test_gradients_at_particles_are_those_of_cells(both):
 
 def test_quadratic_integration_by_columns_is_that_of_cells(both):
     *discs, d = both
-    found = [structure(discretize_quadratic(disc.body, disc.particles)).forces(d) for disc in discs]
+    found = [
+        structure(discretize_quadratic(disc.body, disc.particles)).forces(d, 0.0) for disc in discs
+    ]
     np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-11 * np.abs(found[0]).max())
 
 
@@ -142,7 +145,9 @@ def test_change_of_the_force_is_the_tangent_times_the_displacement(rng):
     disc = square(rng, fixed="nothing", column=5)
     d, motions, term = wave(disc, 0.15), rng.standard_normal((36, 2, 3)), structure(disc)
     found = np.zeros((disc.layout.n_equations, 3))
-    add_tangent_product(term.states(d[None]), motions, disc.layout.equations, found)
+    add_tangent_product(
+        term.states([SimpleNamespace(d=d, fraction=0.0)]), motions, disc.layout.equations, found
+    )
     matrix = dense(disc.layout, internal(disc, d)[1])
     expected = np.column_stack([matrix @ disc.layout.reduce(u) for u in np.moveaxis(motions, 2, 0)])
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
@@ -152,21 +157,21 @@ def test_gradient_of_the_energy_in_weights_slopes_and_constants(rng):
     """Along any change of both arrays, by the five-point formula; it is linear in the constants."""
     disc = square(rng, fixed="nothing", column=5)
     d, term, cells = wave(disc, 0.15), structure(disc), disc.cells
-    gradient, step = energy_gradient(term, d), 1e-3
+    gradient, step = energy_gradient(term, SimpleNamespace(d=d, fraction=0.0)), 1e-3
     of_weights = rng.standard_normal(cells.weights.shape) * cells.weights
     of_slopes = rng.standard_normal(cells.table.grad.size)
 
     def energy_at(s):
         table = cells.table._replace(grad=cells.table.grad + s * of_slopes)
         term.cells = replace(cells, weights=cells.weights + s * of_weights, table=table)
-        return term.energy(d)
+        return term.energy(d, 0.0)
 
     values = [energy_at(s * step) for s in (-2, -1, 1, 2)]
     slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
     exact = gradient.grad @ of_slopes + np.sum(gradient.weights * of_weights)
     assert slope == pytest.approx(exact, rel=1e-8)
     term.cells = cells
-    assert gradient.constants @ CONSTANTS == pytest.approx(term.energy(d), rel=1e-12)
+    assert gradient.constants @ CONSTANTS == pytest.approx(term.energy(d, 0.0), rel=1e-12)
 
 
 def test_two_regions_of_one_material_are_one(rng):
@@ -176,8 +181,8 @@ def test_two_regions_of_one_material_are_one(rng):
     parts = Region(RUBBER, cells[cells % 5 < 2], "low_"), Region(RUBBER, cells[cells % 5 >= 2])
     shared = tuple(part._replace(prefix="") for part in parts)
     one, two = elastic_body(RUBBER).on(disc, 0), ElasticBody(shared).on(disc, 0)
-    np.testing.assert_array_equal(two.forces(d), one.forces(d))
-    assert two.energy(d) == one.energy(d)
+    np.testing.assert_array_equal(two.forces(d, 0.0), one.forces(d, 0.0))
+    assert two.energy(d, 0.0) == one.energy(d, 0.0)
 
 
 def test_two_bulk_moduli_in_a_column_are_refused(rng):

@@ -64,7 +64,7 @@ def stored(result):
     penalty = (
         0.5 * options_of(result.seal).normal_penalty * np.sum(result.term(DOOR).length * inside**2)
     )
-    return result.term("structure").energy(step.d) + penalty
+    return result.term("structure").energy(step.d, step.fraction) + penalty
 
 
 def test_flat_door_leaves_the_upright_branch(swayed, upright):

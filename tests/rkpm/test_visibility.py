@@ -67,7 +67,9 @@ def test_two_bars_do_not_feel_each_other():
     # the matrix of both is eliminated in another order: rounding times its condition
     np.testing.assert_allclose(moved[:n], expected, rtol=0.0, atol=1e-12)
     assert np.abs(expected).max() > 0.1
-    forces = [elastic_body(RUBBER).on(d, 0).forces(u) for d, u in ((disc, moved), (own, moved[:n]))]
+    forces = [
+        elastic_body(RUBBER).on(d, 0).forces(u, 0.0) for d, u in ((disc, moved), (own, moved[:n]))
+    ]
     assert np.array_equal(forces[0][:n], forces[1])
     assert not forces[0][n:].any()
 

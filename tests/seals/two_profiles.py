@@ -73,7 +73,7 @@ def stored_energy(result):
     """Elastic energy and that of the normal penalties after every nominal step."""
     found = []
     for step in result.path.nominal_steps:
-        energy = result.term("structure").energy(step.d)
+        energy = result.term("structure").energy(step.d, step.fraction)
         for label in ("plate", "roll"):
             term, gap = result.term(label), np.minimum(result.response(label, step).gap, 0.0)
             energy += 0.5 * term.law.normal_penalty * term.length @ gap**2

@@ -39,7 +39,7 @@ def displacement_at(disc: Discretization, points: PointSet, d: np.ndarray):
 def piola_stresses(path: PathResult, step: ConvergedStep) -> np.ndarray:
     """First Piola-Kirchhoff stress that the analysis integrates, shape (n_cells, q, 2, 2)."""
     structure = path.problem.term("structure")
-    deformation = structure.deformation_of(step.d[None])
+    deformation = structure.deformation_of(step.d[None], [step.fraction])
     w_t, w_j = structure.energy_derivatives(deformation)[:2, 0, ..., None, None]
     pressure = structure.pressure(deformation)[0, ..., None, None]
     F = deformation.f[0, ..., :4].reshape(*w_t.shape[:2], 2, 2)

@@ -59,7 +59,7 @@ def immersed(cells: int, bore: float = 0.0) -> ImmersedErrors:
     # p = -K (lambda^3 - 1)
     stretch = (1.0 - PRESSURE / MATERIAL.bulk_modulus) ** (1 / 3)
     d, disc = path.steps[-1].d, path.discretization
-    f = path.problem.terms[0].deformation_of(d[None]).f.reshape(-1, 6)
+    f = path.problem.terms[0].deformation_of(d[None], [2.0]).f.reshape(-1, 6)
     weights = disc.weights.ravel() / disc.weights.sum()
     # 11, 12, 21, 22, J - 1, h
     apart = f[:, [0, 1, 2, 3, 5]] - stretch * np.array([1.0, 0.0, 0.0, 1.0, 1.0])

@@ -57,4 +57,4 @@ def solve_discretized(
 def holding_forces(path: PathResult) -> np.ndarray:
     """Forces that hold imposed components at every nominal step, shape (n_steps, n, 2)."""
     structure = path.problem.term("structure")
-    return np.array([structure.forces(step.d) for step in path.nominal_steps])
+    return np.array([structure.forces(step.d, step.fraction) for step in path.nominal_steps])

@@ -114,6 +114,7 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
             contributions=[*file.contributions, *file.motions],
             designs=[own.made() for own in file.designs], axisymmetric=file.axisymmetric,
+            environment=file.environment,
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

@@ -1,6 +1,6 @@
 """The tables of a seal file, and the decisions that they make for its seal."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -18,8 +18,9 @@ from seal_mdao.seals.file.edge_tables import (
     SymmetryTable,
     TermTable,
 )
+from seal_mdao.seals.file.environment import environment_of, growth_of
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.material_table import Materials
+from seal_mdao.seals.file.material_table import HeatedTable, Materials
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import AnyMeasure
 from seal_mdao.seals.file.model_table import AXISYMMETRIC, RADIAL, ModelTable, axis_edges
@@ -32,6 +33,7 @@ from seal_mdao.seals.file.tolerance_table import ToleranceTable
 from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
+from seal_mdao.structure.environment import Environment
 
 MODEL = ModelTable()
 MOVING = ("profile", "moved")
@@ -71,6 +73,8 @@ class SealFile:
     ----------
     materials : dict of str to Isotropic
         Laws with their constants, given or fitted.
+    heating : dict of str to HeatedTable
+        What heat and liquids do to the materials.
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
     step_tolerance : float or None
@@ -98,6 +102,7 @@ class SealFile:
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
     model: ModelTable = MODEL
+    heating: dict[str, HeatedTable] = field(default_factory=dict)
 
     @property
     def axisymmetric(self) -> bool:
@@ -174,14 +179,22 @@ class SealFile:
         # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""
-        rest = SectionRegion(self.materials[section.material], prefix, lines=section.parting)
+        rest = SectionRegion(
+            self.materials[section.material], prefix, lines=section.parting,
+            growth=growth_of(self, section.material),
+        )  # fmt: skip
         return [rest] + [
             SectionRegion(
                 self.materials[own.material], f"{own.material}_", own.at,
-                () if own.line is None else (own.line,),
+                () if own.line is None else (own.line,), growth_of(self, own.material),
             )
             for own in section.regions
         ]  # fmt: skip
+
+    @property
+    def environment(self) -> Environment | None:
+        """Axial stretch and temperature along the path."""
+        return environment_of(self)
 
     @property
     def contributions(self) -> list:

@@ -8,8 +8,9 @@ import re
 from dataclasses import fields
 from functools import cache
 from inspect import getdoc
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, get_origin
+from typing import Annotated, Literal, get_origin
 
 from pydantic import AfterValidator, BeforeValidator
 from pydantic_core import PydanticCustomError, core_schema
@@ -27,6 +28,7 @@ from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.sponge import GRADES, graded_sponge
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
+from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, per_stage
 from seal_mdao.seals.file.schema import LINE, TAG, Table, chosen_by, key, table, table_of
 from seal_mdao.values import formatted
 
@@ -51,8 +53,45 @@ Range = Annotated[
 ]
 
 
+def _increasing(given):
+    # two temperatures at least, one after the other
+    if len(given) < 2 or any(b[0] <= a[0] for a, b in pairwise(given)):
+        raise ValueError
+    return given
+
+
+_Factor = Annotated[tuple[number(above=ABSOLUTE_ZERO), number(above=0.0)], Form("two numbers")]
+Factors = Annotated[
+    Literal[ENTROPIC] | Annotated[many(_Factor, "a list"), AfterValidator(_increasing)],
+    Form(
+        f'"{ENTROPIC}", or a list of pairs [temperature (degC), factor above 0] with increasing '
+        "temperatures"
+    ),
+]
+
+
 @table(kw_only=True)
-class LawTable(Table):
+class HeatedTable(Table):
+    """What heat and liquids do to a material."""
+
+    expansion: number("1/K", least=0.0, most=0.01) = key("linear coefficient of expansion", 0.0)
+    modulus_over_temperature: Factors | None = key(
+        "factor of all moduli but the bulk modulus, linear between the temperatures of a table; "
+        f'"{ENTROPIC}" is that of ideal rubber, absolute temperature over that of reference',
+        None,
+    )
+    swelling: per_stage(number(above=0.0, most=10.0), "a number above 0 and at most 10") | None = (
+        key("volume in a liquid over dry volume; it grows from 1 in the first stage", None)
+    )
+
+    @property
+    def changes_with_temperature(self) -> bool:
+        """Whether the material has an expansion, or moduli that depend on the temperature."""
+        return self.expansion != 0.0 or self.modulus_over_temperature is not None
+
+
+@table(kw_only=True)
+class LawTable(HeatedTable):
     """A rubber by the name of its law."""
 
     law: one_of(*LAWS) = key("name of the law: one of these, or of an extension")
@@ -104,7 +143,7 @@ class FitTable(LawTable):
         return fit(self.law, read_tests(folder / self.data), **own).law
 
 
-FURTHER = ("law", "stable", "data")
+FURTHER = (*LawTable.entries(), "data")
 """Keys of these tables that are no arguments of the law or its fit."""
 
 
@@ -169,7 +208,7 @@ AnyLaw = Annotated[
 
 
 @table(kw_only=True)
-class ShoreTable(Table):
+class ShoreTable(HeatedTable):
     """A dense rubber by its hardness: neo-Hookean, with Young's modulus by Gent's relation (1958)."""
 
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
@@ -183,7 +222,7 @@ class ShoreTable(Table):
 
 
 @table(kw_only=True)
-class SpongeTable(Table):
+class SpongeTable(HeatedTable):
     """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
     sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")

@@ -1,27 +1,58 @@
-"""``[model]``: kinematics of the section, and what a body of revolution does not allow."""
+"""``[model]``: kinematics of the section and its environment; what a body of revolution forbids."""
+
+from typing import Annotated
 
 import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_isochoric
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING
-from seal_mdao.seals.file.forms import one_of
+from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
+GENERALISED = "generalised_plane_strain"
+ENTROPIC = "entropic"
+ABSOLUTE_ZERO = -273.15
+"""Degrees Celsius."""
 RADIAL, AXIAL = 0, 1
 """Components of displacement: across the axis, where it is zero on it, and along it."""
 
 
+def per_stage(one, allowed: str):
+    """Make the form of a value at the ends of all stages, or of a list with one for every stage."""
+    return Annotated[
+        one | many(one, "a list"), Form(f"{allowed}, or a list with one for the end of every stage")
+    ]
+
+
 @table
 class ModelTable(Table):
-    """What the section stands for."""
+    """What the section stands for, and what happens to it beside the motions."""
 
-    kinematics: one_of(PLANE_STRAIN, AXISYMMETRIC) = key(
-        "long seal of this section, results per metre; or the ring that the section makes when it is "
-        "turned about the axis x = 0, results of the complete ring",
+    kinematics: one_of(PLANE_STRAIN, GENERALISED, AXISYMMETRIC) = key(
+        "long seal of this section, results per metre; the same stretched along its axis, results per "
+        "metre of the stretched seal; or the ring that the section makes when it is turned about the "
+        "axis x = 0, results of the complete ring",
         PLANE_STRAIN,
+    )
+    axial_stretch: (
+        per_stage(number(least=0.5, most=2.0), "a number of at least 0.5 and at most 2") | None
+    ) = key(
+        "length of the seal in use over the length in which it was made; it grows from 1 in the first "
+        "stage",
+        None,
+    )
+    temperature: (
+        per_stage(
+            number(above=ABSOLUTE_ZERO, most=1000.0),
+            "a number above -273.15 and at most 1000 (degC)",
+        )
+        | None
+    ) = key("of the seal; it changes from reference_temperature in the first stage", None)
+    reference_temperature: number("degC", above=ABSOLUTE_ZERO, most=1000.0) = key(
+        "at which the section has its shape and the materials have their constants", 23.0
     )
 
 
@@ -54,11 +85,11 @@ def check_axisymmetric(file) -> None:
                 f"[material.{name}]: a compressible law is known in plane strain only; for "
                 f'kinematics = "{AXISYMMETRIC}" choose one with a bulk_modulus'
             )
-    for number, measure in enumerate(file.measures, 1):
+    for place, measure in enumerate(file.measures, 1):
         if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:
             what = measure.type if measure.type == "leak_rate" else "length"
             raise SealFileError(
-                f'[[measure]] {number}: {what} is for kinematics = "{PLANE_STRAIN}"; a ring has its '
+                f'[[measure]] {place}: {what} is for kinematics = "{PLANE_STRAIN}"; a ring has its '
                 "own length, and its forces are in N"
             )
 

@@ -23,6 +23,7 @@ from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
 from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.environment import Environment, Growth
 
 ON_AXIS = 1e-9
 """Distance from the axis that is rounding, over the size of the section."""
@@ -42,12 +43,15 @@ class SectionRegion(NamedTuple):
         A point of the part, mm; None for all that is in no other region.
     lines : tuple of ndarray, shape (k, 2)
         Between two points of the boundary each, along which the section is divided, mm.
+    growth : Growth
+        By heat and swelling, where there is an environment.
     """
 
     material: object
     prefix: str = ""
     at: tuple | None = None
     lines: tuple = ()
+    growth: Growth = Growth()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,6 +111,7 @@ class OutlineSeal(Seal):
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
     contributions=(), designs=(), kernels: Kernels | None = None, axisymmetric: bool = False,
+    environment: Environment | None = None,
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -134,6 +139,8 @@ def outline_seal(
         If left out those of rays and of given clouds, else ``Kernels()``.
     axisymmetric : bool
         Whether the section is turned about the axis x = 0, in place of plane strain.
+    environment : Environment, optional
+        Axial stretch and temperature along the path.
     standard, inputs, newton
         As of ``Seal``.
 
@@ -166,7 +173,7 @@ def outline_seal(
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
-    elastic = ElasticBody(_regions(filled, regions))
+    elastic = ElasticBody(_regions(filled, regions), environment)
     terms, moved, section = [elastic], [], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
         made = bind(section)
@@ -243,7 +250,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     """Find the cells of every region, first of that of the rest."""
     rest, *others = sorted(regions, key=lambda region: region.at is not None)
     if not others:
-        return (Region(rest.material, None, rest.prefix),)
+        return (Region(rest.material, None, rest.prefix, rest.growth),)
     parts = [filled.part_at(region.at) for region in others]
     for i, part in enumerate(parts):
         if part in parts[:i]:
@@ -261,7 +268,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(
-        Region(region.material, own, region.prefix)
+        Region(region.material, own, region.prefix, region.growth)
         for region, own in zip((rest, *others), cells, strict=True)
     )
 

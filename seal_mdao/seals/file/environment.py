@@ -1,0 +1,112 @@
+"""Axial stretch, temperature and swelling of a seal file, one value at the end of every stage."""
+
+import numpy as np
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.loads.ramp import Ramp, ramp_of_stages
+from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, GENERALISED
+from seal_mdao.structure.environment import Environment, Growth
+from seal_mdao.values import formatted
+
+
+def environment_of(file) -> Environment | None:
+    """Make the environment of the body of a ``SealFile``, or None where nothing changes."""
+    model = file.model
+    swollen = any(own.swelling is not None for own in file.heating.values())
+    if model.axial_stretch is None and model.temperature is None and not swollen:
+        return None
+    ramps = (
+        _ramp(file, "[model]: axial_stretch", 1.0, model.axial_stretch),
+        _ramp(file, "[model]: temperature", model.reference_temperature, model.temperature),
+    )
+    return Environment(*ramps)
+
+
+def growth_of(file, name: str) -> Growth:
+    """Make the growth of the material ``name`` of a ``SealFile``."""
+    own, factors = file.heating[name], None
+    if own.modulus_over_temperature == ENTROPIC:
+        # m = T / T_0 of absolute temperatures, a line through two points
+        start = file.model.reference_temperature
+        factors = np.array([[start, 1.0], [start + 1.0, 1.0 + 1.0 / (start - ABSOLUTE_ZERO)]])
+    elif own.modulus_over_temperature is not None:
+        factors = np.array(own.modulus_over_temperature)
+    swelling = _ramp(file, f"[material.{name}]: swelling", 1.0, own.swelling)
+    return Growth(own.expansion, swelling, factors)
+
+
+def _ramp(file, where: str, start: float, given) -> Ramp | None:
+    """Make the ramp of a number, or of one at the end of every stage."""
+    if given is None:
+        return None
+    # the stages of what moves first are those of the path
+    moving = next(own for own in file.moving if own.stages)
+    values = given if isinstance(given, tuple) else (given,) * len(moving.stages)
+    if len(values) != len(moving.stages):
+        raise SealFileError(
+            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} stages; "
+            "give one for the end of every stage, or one number for all of them"
+        )
+    return ramp_of_stages(start, values, [stage.steps for stage in moving.stages])
+
+
+def check_environment(file) -> None:
+    """Refuse what contradicts the environment of a ``SealFile``, or does not know it."""
+    _check_axial_stretch(file)
+    _check_temperature(file)
+    # made once here, so that what is wrong is said before anything is analysed
+    environment = environment_of(file)
+    for name in file.materials:
+        _check_factors(file, name)
+    if environment is None:
+        return
+    if file.cavities:
+        raise SealFileError(
+            "[[cavity]] 1: the air of a hole takes no part in a temperature, swelling or axial_stretch; "
+            "leave out either"
+        )
+    for number, measure in enumerate(file.measures, 1):
+        if measure.type == "friction_work":
+            raise SealFileError(
+                f"[[measure]] {number}: friction_work is the work of the profiles that is not stored, "
+                "and heat, swelling and an axial_stretch do work, too; leave it out"
+            )
+
+
+def _check_axial_stretch(file) -> None:
+    given, kind = file.model.axial_stretch, file.model.kinematics
+    if kind == GENERALISED and given is None:
+        raise SealFileError(
+            f'[model]: kinematics = "{GENERALISED}" needs axial_stretch, such as 1.03 for a seal that '
+            "is 3 % longer on its flange"
+        )
+    if kind != GENERALISED and given is not None:
+        raise SealFileError(
+            f'[model]: axial_stretch = {formatted(given)} is for kinematics = "{GENERALISED}", not '
+            f'"{kind}"'
+        )
+
+
+def _check_temperature(file) -> None:
+    if file.model.temperature is None:
+        return
+    if not any(own.changes_with_temperature for own in file.heating.values()):
+        raise SealFileError(
+            f"[model]: temperature = {formatted(file.model.temperature)}, but no material has an "
+            "expansion or a modulus_over_temperature; rubber has an expansion of about 2e-4 (1/K)"
+        )
+
+
+def _check_factors(file, name: str) -> None:
+    """Refuse a table of moduli that does not reach the temperatures of the path."""
+    table = file.heating[name].modulus_over_temperature
+    if file.model.temperature is None or table in (None, ENTROPIC):
+        return
+    at = [temperature for temperature, _ in table]
+    given = np.append(file.model.reference_temperature, file.model.temperature)
+    if given.min() < at[0] or given.max() > at[-1]:
+        raise SealFileError(
+            f"[material.{name}]: modulus_over_temperature goes from {at[0]:g} to {at[-1]:g}, but "
+            f"[model] has temperatures from {given.min():g} to {given.max():g} degrees Celsius, that of "
+            "reference included; add points to the table"
+        )
