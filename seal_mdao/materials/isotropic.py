@@ -73,6 +73,20 @@ class Isotropic(ABC):
         slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
         return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
 
+    def volumetric(self, j) -> np.ndarray:
+        """V, V', V'' of a compressible law at volume ratios J, shape (3, ...); complex step passes
+        through the constants.
+
+        A law defines it if its energy is a sum over the principal stretches and a function of the
+        volume, sum_i f(lambda_i) + V(J) with f(1) = V(1) = 0, which gives W at every stretch across
+        the plane (``hoop_stretch``). Bodies of revolution need it.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no volumetric energy of its own")
+
+    def volumetric_constants(self, j) -> np.ndarray:
+        """Evaluate d(V, V', V'') / d constant, shape (n_constants, 3, ...), by complex steps."""
+        return np.array([self._stepped(name).volumetric(j).imag / STEP for name in self.names])
+
     def _stepped(self, name: str):
         """Copy the law with an imaginary step in one constant, unchecked."""
         other = copy(self)
@@ -218,12 +232,9 @@ class Isotropic(ABC):
         t, j = np.asarray(t), np.asarray(j)
         w = self.derivatives(t, j)
         shear, spread, away = self._deviator(t, j, w)
-        shear_t, shear_j = w[2] / j, (w[3] - shear) / j
-        value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
-        # sigma_vm d(sigma_vm) = 3/2 d(d^2) + (m - sigma_33) d(m - sigma_33)
-        by_t = 3.0 * shear * (shear_t * spread + shear * t) + away[0] * away[1]
-        by_j = 3.0 * shear * (shear_j * spread - 4.0 * shear * j) + away[0] * away[2]
-        return np.array([value, _over(by_t, value), _over(by_j, value)])
+        return von_mises_rows(
+            [shear, w[2] / j, (w[3] - shear) / j], [spread, 2.0 * t, -8.0 * j], away
+        )
 
     def von_mises_constants(self, t, j) -> np.ndarray:
         """Evaluate d sigma_vm / d constant, shape (n_constants, ...); zero at zero stress."""
@@ -237,11 +248,7 @@ class Isotropic(ABC):
 
     def _deviator(self, t, j, w):
         """Evaluate W_T / J, T^2 - 4 J^2, and m - sigma_33 with its derivatives."""
-        # T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2
-        spread = (t - 2.0 * j) * (t + 2.0 * j)
-        # rounding of T and J must not make the square of a difference negative
-        spread = np.where(spread.real > 0.0, spread, 0.0 * spread)
-        return w[0] / j, spread, _mean_stress(t, j, w) - self.across(t, j)
+        return w[0] / j, squared_difference(t, j), _mean_stress(t, j, w) - self.across(t, j)
 
 
 def invariants(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -258,6 +265,31 @@ def cofactor(F: np.ndarray) -> np.ndarray:
     cof[..., 0, 0], cof[..., 0, 1] = F[..., 1, 1], -F[..., 1, 0]
     cof[..., 1, 0], cof[..., 1, 1] = -F[..., 0, 1], F[..., 0, 0]
     return cof
+
+
+def squared_difference(t, j) -> np.ndarray:
+    """Evaluate T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2 of the two stretches in the plane."""
+    square = (t - 2.0 * j) * (t + 2.0 * j)
+    # rounding of T and J must not make the square of a difference negative
+    return np.where(square.real > 0.0, square, 0.0 * square)
+
+
+def von_mises_rows(shear, spread, away) -> np.ndarray:
+    """Evaluate sigma_vm = sqrt(3 shear^2 spread + away^2) and its derivatives, rows as of the arguments.
+
+    Parameters
+    ----------
+    shear, spread, away : sequence of n + 1 arrays
+        W_T / J, T^2 - 4 J^2 of the plane, and the mean stress in the plane less that across, each
+        followed by its n derivatives. The derivatives of the stress are zero where it is zero.
+    """
+    value = np.sqrt(3.0 * shear[0] * shear[0] * spread[0] + away[0] * away[0])
+    # sigma_vm d(sigma_vm) = 3 shear (d(shear) spread + shear d(spread) / 2) + away d(away)
+    slopes = [
+        3.0 * shear[0] * (s * spread[0] + 0.5 * shear[0] * d) + away[0] * a
+        for s, d, a in zip(shear[1:], spread[1:], away[1:], strict=True)
+    ]
+    return np.array([value, *(_over(slope, value) for slope in slopes)])
 
 
 def _mean_stress(t, j, w):

@@ -351,7 +351,7 @@ class StructuralTerm(Term):
         out = np.empty(deformation.square.shape)
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            by_cell[:, region.at] = region.material.energy(*hoop_stretch.plane_state(*state))
+            by_cell[:, region.at] = hoop_stretch.energy(region.material, *state)
         return out[0]
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
@@ -359,7 +359,7 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            rows = region.material.constant_energies(*hoop_stretch.plane_state(*state))
+            rows = hoop_stretch.constant_energies(region.material, *state)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, region.at] = row
         return out[:, 0]
