@@ -11,8 +11,9 @@ and by the chain rule, a_h = -2 a / h and b_h = -3 b / h,
 
     W_T = P_a / h^2,    W_J = P_b / h^3,    W_h = -(2 a P_a + 3 b P_b) / h.
 
-The energy of a compressible law is a sum sum_i f(lambda_i) + V(J) (``Isotropic.volumetric``). The
-stretches (lambda_1, lambda_2, 1) and (1, h, 1) are states of plane strain, and so with J_2 = J / h
+The energy of a compressible law is sum_i f(lambda_i) + V(J), with f and V and their slopes zero at 1
+(``Isotropic.volumetric``). Both (lambda_1, lambda_2, 1) and (1, h, 1) are states of plane strain, in
+which V' is the stress across the plane, and so with J_2 = J / h
 
     W(T, J, h) = P(T, J_2) - V(J_2) + V(J) + f(h),    f(h) = P(1 + h^2, h) - V(h).
 """
@@ -42,7 +43,7 @@ def energy(material, t, j, h=None) -> np.ndarray:
     if is_isochoric(material):
         return material.energy(t / h**2, j / h**3)
     volume = material.volumetric(j) - material.volumetric(j / h) - material.volumetric(h)
-    return material.energy(t, j / h) + material.energy(1.0 + h * h, h) + volume[0]
+    return material.energy(t, j / h) + material.energy(1.0 + h * h, h) + volume
 
 
 def constant_energies(material, t, j, h=None) -> np.ndarray:
@@ -51,9 +52,9 @@ def constant_energies(material, t, j, h=None) -> np.ndarray:
         return material.constant_energies(t, j)
     if is_isochoric(material):
         return material.constant_energies(t / h**2, j / h**3)
-    volume = sum(s * material.volumetric_constants(x) for s, x in ((1, j), (-1, j / h), (-1, h)))
+    v, v_2, v_h = (material.volumetric_constants(x) for x in (j, j / h, h))
     plane = material.constant_energies(t, j / h) + material.constant_energies(1.0 + h * h, h)
-    return plane + volume[:, 0]
+    return plane + (v - v_2 - v_h)
 
 
 def derivatives(material, t, j, h=None) -> np.ndarray:
@@ -71,7 +72,8 @@ def _of_ratios(material, t, j, h):
     out = np.empty((ROWS, *np.shape(t)), w.dtype)
     out[0], out[1] = w_a / h**2, w_b / h**3
     out[2], out[3], out[4] = w_aa / h**4, w_ab / h**5, w_bb / h**6
-    out[5] = -(2.0 * a * w_a + 3.0 * b * w_b) / h
+    # the first sum is zero to the bit where there is no stress
+    out[5] = -(2.0 * (a * w_a + b * w_b) + b * w_b) / h
     # W_Th = -(2 P_a + 2 a P_aa + 3 b P_ab) / h^3,  W_Jh = -(3 P_b + 2 a P_ab + 3 b P_bb) / h^4
     out[6] = -(2.0 * w_a + 2.0 * a * w_aa + 3.0 * b * w_ab) / h**3
     out[7] = -(3.0 * w_b + 2.0 * a * w_ab + 3.0 * b * w_bb) / h**4
@@ -86,7 +88,7 @@ def _of_sums(material, t, j, h):
     """Differentiate P(T, J_2) - V(J_2) + V(J) + f(h)."""
     plane = j / h
     w_t, w_j, w_tt, w_tj, w_jj = w = material.derivatives(t, plane)
-    (_, v, vv), (_, v_2, vv_2) = material.volumetric(j), material.volumetric(plane)
+    (v, _, vv), (v_2, _, vv_2) = material.across(t, j), material.across(t, plane)
     # of U = P - V in the plane
     u_j, u_jj = w_j - v_2, w_jj - vv_2
     out = np.empty((ROWS, *np.shape(t)), w.dtype)
@@ -105,7 +107,7 @@ def _of_sums(material, t, j, h):
 def _across(material, h):
     """Evaluate f' and f'' of f(h) = P(1 + h^2, h) - V(h)."""
     w_t, w_j, w_tt, w_tj, w_jj = material.derivatives(1.0 + h * h, h)
-    _, v, vv = material.volumetric(h)
+    v, _, vv = material.across(1.0 + h * h, h)
     # f' = 2 h P_T + P_J - V',  f'' = 2 P_T + 4 h^2 P_TT + 4 h P_TJ + P_JJ - V''
     second = 2.0 * w_t + 4.0 * h * (h * w_tt + w_tj) + w_jj - vv
     return 2.0 * h * w_t + w_j - v, second
@@ -124,7 +126,7 @@ def constant_derivatives(material, t, j, h=None) -> np.ndarray:
         return np.stack([by_a / h**2, by_b / h**3, on_h], axis=1)
     plane = j / h
     rates, own = (material.constant_derivatives(*x) for x in ((t, plane), (1.0 + h * h, h)))
-    v, v_2, v_h = (material.volumetric_constants(x)[:, 1] for x in (j, plane, h))
+    v, v_2, v_h = (material.across_constant_derivatives(t, x) for x in (j, plane, h))
     # those of W_J = (P_J - V'(J_2)) / h + V'(J),  W_h = f' - J_2 (P_J - V'(J_2)) / h
     on_h = 2.0 * h * own[:, 0] + own[:, 1] - v_h - plane * (rates[:, 1] - v_2) / h
     return np.stack([rates[:, 0], rates[:, 1] / h + (v - v_2 / h), on_h], axis=1)
@@ -135,7 +137,7 @@ def von_mises(material, t, j, h=None) -> np.ndarray:
     (4, ...)."""
     if h is None:
         return material.von_mises(t, j)
-    w_t, w_j, w_tt, w_tj, w_jj, w_h, w_th, w_jh, w_hh = derivatives(material, t, j, h)
+    w_t, _, w_tt, w_tj, _, w_h, w_th, w_jh, w_hh = derivatives(material, t, j, h)
     # Cauchy stresses (2/J) W_T F F^T + W_J 1 in the plane, h W_h / J + W_J across:
     # W_T / J, and the mean in the plane less that across, (W_T T - h W_h) / J
     shear, away = w_t / j, (w_t * t - h * w_h) / j

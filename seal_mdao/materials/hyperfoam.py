@@ -66,20 +66,22 @@ class Hyperfoam(StretchPowers):
         )
 
     def rest(self, term, log_j):
-        """Evaluate h = (J^(-alpha b) - 1) / b - 2."""
-        return _volume(term, log_j) - 2.0
+        """Evaluate h = (J^(-alpha b) - 1) / b - 2, which is -alpha ln J - 2 for b = 0."""
+        # (e^y - 1) / b = -alpha ln J (e^y - 1) / y with y = -alpha b ln J
+        y = -term.r * log_j
+        at_zero = y == 0.0
+        return (
+            -term.alpha * log_j * np.where(at_zero, 1.0, np.expm1(y) / np.where(at_zero, 1.0, y))
+            - 2.0
+        )
 
     @np.errstate(**NO_VALUE)
     def volumetric(self, j):
-        """Evaluate V = sum 2 mu/alpha^2 (J^(-alpha b) - 1) / b, V', V'', shape (3, ...)."""
-        j = np.asarray(j)
-        log_j, out = np.log(j), 0.0
-        for m in self.terms:
-            # k alpha J^(-r - 1), of which V' is the negative;  r = alpha b
-            fall = m.alpha * np.exp(-m.r * log_j) / j
-            rows = np.array([_volume(m, log_j), -fall, (m.r + 1.0) * fall / j])
-            out = out + m.mu * m.scale * rows
-        return out
+        """Evaluate V = sum 2 mu/alpha^2 [(J^(-alpha b) - 1) / b + alpha ln J]."""
+        log_j = np.log(j)
+        return sum(
+            m.mu * m.scale * (self.rest(m, log_j) + 2.0 + m.alpha * log_j) for m in self.terms
+        )
 
     @np.errstate(**NO_VALUE)
     def further_constants(self, log_j, j):
@@ -174,11 +176,3 @@ class Hyperfoam(StretchPowers):
     def _b_rates(self):
         """Evaluate db / dnu = 1 / (1 - 2 nu)^2."""
         return tuple(1.0 / (1.0 - 2.0 * nu) ** 2 for nu in self.nu)
-
-
-def _volume(term, log_j):
-    """Evaluate (J^(-alpha b) - 1) / b, which is -alpha ln J for b = 0."""
-    # (e^y - 1) / b = -alpha ln J (e^y - 1) / y with y = -alpha b ln J
-    y = -term.r * log_j
-    at_zero = y == 0.0
-    return -term.alpha * log_j * np.where(at_zero, 1.0, np.expm1(y) / np.where(at_zero, 1.0, y))

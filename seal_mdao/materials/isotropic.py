@@ -69,23 +69,16 @@ class Isotropic(ABC):
 
     def constant_energies(self, t, j) -> np.ndarray:
         """Evaluate dW / d constant, shape (n_constants, ...), by complex steps of ``energy``."""
-        # dW/dc = Im W(c + i h) / h, exact for a step as small as 1e-30
-        slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
-        return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
-
-    def volumetric(self, j) -> np.ndarray:
-        """V, V', V'' of a compressible law at volume ratios J, shape (3, ...); complex step passes
-        through the constants.
-
-        A law defines it if its energy is a sum over the principal stretches and a function of the
-        volume, sum_i f(lambda_i) + V(J) with f(1) = V(1) = 0, which gives W at every stretch across
-        the plane (``hoop_stretch``). Bodies of revolution need it.
-        """
-        raise NotImplementedError(f"{type(self).__name__} has no volumetric energy of its own")
+        return self._by_constants("energy", t, j)
 
     def volumetric_constants(self, j) -> np.ndarray:
-        """Evaluate d(V, V', V'') / d constant, shape (n_constants, 3, ...), by complex steps."""
-        return np.array([self._stepped(name).volumetric(j).imag / STEP for name in self.names])
+        """Evaluate dV / d constant, shape (n_constants, ...), by complex steps of ``volumetric``."""
+        return self._by_constants("volumetric", j)
+
+    def _by_constants(self, method: str, *state) -> np.ndarray:
+        # dW/dc = Im W(c + i h) / h, exact for a step as small as 1e-30
+        slopes = [getattr(self._stepped(name), method)(*state).imag / STEP for name in self.names]
+        return np.array([np.broadcast_to(slope, np.shape(state[0])) for slope in slopes])
 
     def _stepped(self, name: str):
         """Copy the law with an imaginary step in one constant, unchecked."""
@@ -140,6 +133,15 @@ class Isotropic(ABC):
         rates = self.constant_derivatives(t, j)
         # dm/dc = (dW_T/dc) T / J + dW_J/dc
         return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
+
+    def volumetric(self, j) -> np.ndarray:
+        """Evaluate V(J) of a compressible law, shape of ``j``; complex step passes through constants.
+
+        A law defines it if its energy is sum_i f(lambda_i) + V(J) of the principal stretches, with
+        f and V and their slopes zero at 1. Then V' is the stress across the plane, and ``hoop_stretch``
+        knows the energy at every stretch across it, which bodies of revolution need.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no volumetric energy of its own")
 
     # ---- three principal stretches, lambda_3 not fixed at 1 ----
 

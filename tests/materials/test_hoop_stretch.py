@@ -107,6 +107,17 @@ def test_derivatives_in_the_constants_are_complex_steps(law, stretches):
             close(stress[k], value.imag / STEP, law, scale)
 
 
+def test_the_undeformed_state_is_free_of_stress_to_the_bit(law):
+    """Where the von Mises stress has no derivatives: they are zero, not rounding over rounding."""
+    state = tuple(map(np.float64, (2.0, 1.0, 1.0)))
+    assert hoop_stretch.energy(law, *state) == 0.0
+    np.testing.assert_array_equal(hoop_stretch.von_mises(law, *state), 0.0)
+    np.testing.assert_array_equal(hoop_stretch.von_mises_constants(law, *state), 0.0)
+    # P = 2 W_T F + W_J cof F,  P_h = W_h + W_J
+    w_t, w_j, *_, w_h, _, _, _ = hoop_stretch.derivatives(law, *state)
+    assert 2.0 * w_t + w_j == 0.0 == w_h + w_j
+
+
 def test_arrays_are_evaluated_entry_by_entry(law):
     states = np.array([invariants(own) for own in STATES]).T
     for name in ("energy", "derivatives", "von_mises", "constant_derivatives", "constant_energies"):

@@ -9,6 +9,7 @@ from ring_files import FOAM, SPONGE, cylinder, made_of, ring
 from scipy.optimize import brentq
 
 import seal_mdao as sm
+from seal_mdao.materials.sponge import graded_sponge
 from seal_mdao.measures.section_shape import Volume
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.profiles import true_pressure
@@ -123,7 +124,7 @@ def compressed(material, stretch):
 def test_a_smooth_cylinder_is_compressed_uniformly(spacing, material, tmp_path):
     """Also at the axis, and with a cloud that is not even: the patch test of contact."""
     text = cylinder(spacing, penalty=1e5)
-    seal = built(tmp_path, text if material is None else made_of(material, text))
+    seal = built(tmp_path, made_of(material, text) if material else text)
     result = sm.analyze(seal)
     result.require_converged()
     response, term = result.response("plate"), result.term("plate")
@@ -142,6 +143,32 @@ def test_a_smooth_cylinder_is_compressed_uniformly(spacing, material, tmp_path):
     np.testing.assert_allclose(
         true_pressure(result, result.seal.definitions[1]), -stress / side**2, rtol=1e-10
     )
+
+
+def test_sponges_of_two_grades_around_each_other_have_the_force_of_both(tmp_path):
+    """Without lateral strain both are compressed uniformly, under a plate to which they are bonded."""
+    text = made_of('sponge = "2A2"\n', cylinder()).partition("[[profile]]")[0]
+    # the line between both ends at corners
+    text = text.replace("[2.0, 0.0]]", "[1.2, 0.0], [2.0, 0.0]]")
+    text = text.replace("[0.0, 2.0]]", "[1.2, 2.0], [0.0, 2.0]]")
+    text += """
+[material.cover]
+sponge = "2A5"
+[[section.region]]
+material = "cover"
+at = [1.5, 1.0]
+line = [[1.2, 0.0], [1.2, 2.0]]
+[[moved]]
+name = "plate"
+edges = ["top"]
+stage = [{ translate = [0.0, -0.4], steps = 3 }]
+"""
+    result = sm.analyze(built(tmp_path, text))
+    np.testing.assert_allclose(result.displacement()[:, 0], 0.0, atol=1e-12)
+    # P = mu (lambda - 1 / lambda) over the areas of both, kPa mm^2 = mN
+    (inner,), (outer,) = (graded_sponge(name).mu for name in ("2A2", "2A5"))
+    exact = np.pi * (inner * 1.2**2 + outer * (2.0**2 - 1.2**2)) * (0.8 - 1.0 / 0.8)
+    assert result.path.reaction("plate")[-1, 1] == pytest.approx(-1e-3 * exact, rel=1e-10)
 
 
 def test_contact_at_particles_has_an_error_that_falls(tmp_path):
@@ -164,3 +191,35 @@ def test_volume_is_that_of_pappus(seal, result):
     assert result.path.discretization.cells.cell_weights.sum() == pytest.approx(
         2e-3 * np.pi * 16.0, rel=1e-12
     )
+
+
+FOAM_STEPS = {
+    "boundary_offsets[2]": 1e-4, "boundary_offsets[8]": 1e-4, "plate_friction": 1e-4, "mu_1": 1e-2,
+    "alpha_2": 1e-3, "nu_1": 1e-4,
+}  # fmt: skip
+
+
+def test_a_foam_ring_has_the_derivatives_of_its_path(tmp_path):
+    """By shape and by constants: of all measures, and of the stress where the hoop stretch changes."""
+    seal = built(tmp_path, made_of(FOAM, ring(points="averages", friction=0.1)) + DESIGN)
+    result = sm.analyze(seal, keep_factors=True)
+    result.require_converged()
+    points = tuple(
+        int(np.median(seal.body.edge(name).particles[1:-1])) for name in ("side", "bore")
+    )
+    others = (own for own in seal.standard if own.name != "von_mises")
+    measures = (*others, VonMises(points=points))
+    names = tuple(name for name in FOAM_STEPS if name in seal.scalars)
+    direct, adjoint = (
+        sm.differentiate(result, names, measures, method) for method in ("direct", "adjoint")
+    )
+    for measure in measures:
+        one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * np.abs(one).max())
+    for name, step in FOAM_STEPS.items():
+        column = direct.parameters.index(name)
+        for measure, (quotient, bound) in quotients(seal, name, step, measures=measures).items():
+            found = np.atleast_2d(direct[measure])[:, column]
+            assert np.all(np.abs(found - quotient) <= bound), (name, measure)
+            # 0.02 mJ is the work of friction; the volume does not depend on constants
+            assert bound.max() <= 1e-6 * max(np.abs(found).max(), 0.02), (name, measure)
