@@ -1,5 +1,5 @@
-"""Bodies of revolution as seal files: a rubber ring between a fixed base and a plate, a cylinder, and a
-ring under a smooth lid."""
+"""Bodies of revolution as seal files: a ring between a fixed base and a plate, a cylinder, and a ring
+under a smooth lid, of rubber, foam or sponge."""
 
 HEAD = """\
 [model]
@@ -56,12 +56,28 @@ def ring(inner: float = 3.0, spacing: float = 0.5, points: str = "particles", pe
     )  # fmt: skip
 
 
-def cylinder(spacing: float = 0.5, points: str = "averages", travel: float = 0.4) -> str:
+def cylinder(spacing: float = 0.5, points: str = "averages", travel: float = 0.4,
+             penalty: float = 1e7) -> str:  # fmt: skip
     """A seal file of a solid cylinder between smooth plates; "bore" is its axis."""
     return _RING.format(
-        inner=0.0, outer=2.0, spacing=spacing, points=points, penalty=1e7, friction=0.0,
+        inner=0.0, outer=2.0, spacing=spacing, points=points, penalty=penalty, friction=0.0,
         start=2.0, translate=[0.0, -travel], directions='["y"]',
     )  # fmt: skip
+
+
+FOAM = """\
+law = "hyperfoam"
+mu = [60.0, 25.0]
+alpha = [6.2, -3.1]
+nu = [0.3, 0.2]
+"""
+SPONGE = 'sponge = "2A3"\n'
+
+
+def made_of(material: str, text: str) -> str:
+    """The file ``text`` with another material in place of the rubber."""
+    before, _, after = text.partition("[material.rubber]\n")
+    return f"{before}[material.rubber]\n{material}{after[after.index('[section]') :]}"
 
 
 _LID = """\

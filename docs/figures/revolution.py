@@ -11,6 +11,7 @@ TITLES = {
     "ring_disc_5": "bonded disc, 5 mm thick: 0.1, 10, 20 %",
     "ring_squeezed": "O-ring: 10, 20 %",
     "ring_sleeve": "sleeve: 10, 25 %",
+    "ring_foam": "bonded foam disc, 5 mm thick: 10, 20 %",
 }
 """Bodies and their compression at the ends of the stages."""
 

@@ -83,7 +83,7 @@ def derivatives(material, state, conditions: Conditions) -> np.ndarray:
         on_t, on_j, on_t / theta**2, on_j / theta**2, on_j * length / theta**3, on_h,
         on_h / theta**2, on_h * length / theta**3, on_h / theta,
     )  # fmt: skip
-    out = np.empty((len(rows) if own.around else 5, *rows.shape[1:]))
+    out = np.empty((len(rows) if own.around else 5, *rows.shape[1:]), rows.dtype)
     for row, scale in enumerate(scales[: len(out)]):
         out[row] = scale * rows[row]
     return out

@@ -76,6 +76,14 @@ class Hyperfoam(StretchPowers):
         )
 
     @np.errstate(**NO_VALUE)
+    def volumetric(self, j):
+        """Evaluate V = sum 2 mu/alpha^2 [(J^(-alpha b) - 1) / b + alpha ln J]."""
+        log_j = np.log(j)
+        return sum(
+            m.mu * m.scale * (self.rest(m, log_j) + 2.0 + m.alpha * log_j) for m in self.terms
+        )
+
+    @np.errstate(**NO_VALUE)
     def further_constants(self, log_j, j):
         """Evaluate d(W_T, W_J) / d nu, by way of r = alpha b."""
         # W_J = mu k (... - 2 q J^(-r - 1)):  dW_J/dnu = mu k 2 q ln J J^(-r - 1) alpha db/dnu

@@ -69,9 +69,16 @@ class Isotropic(ABC):
 
     def constant_energies(self, t, j) -> np.ndarray:
         """Evaluate dW / d constant, shape (n_constants, ...), by complex steps of ``energy``."""
+        return self._by_constants("energy", t, j)
+
+    def volumetric_constants(self, j) -> np.ndarray:
+        """Evaluate dV / d constant, shape (n_constants, ...), by complex steps of ``volumetric``."""
+        return self._by_constants("volumetric", j)
+
+    def _by_constants(self, method: str, *state) -> np.ndarray:
         # dW/dc = Im W(c + i h) / h, exact for a step as small as 1e-30
-        slopes = [self._stepped(name).energy(t, j).imag / STEP for name in self.names]
-        return np.array([np.broadcast_to(slope, np.shape(t)) for slope in slopes])
+        slopes = [getattr(self._stepped(name), method)(*state).imag / STEP for name in self.names]
+        return np.array([np.broadcast_to(slope, np.shape(state[0])) for slope in slopes])
 
     def _stepped(self, name: str):
         """Copy the law with an imaginary step in one constant, unchecked."""
@@ -126,6 +133,15 @@ class Isotropic(ABC):
         rates = self.constant_derivatives(t, j)
         # dm/dc = (dW_T/dc) T / J + dW_J/dc
         return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
+
+    def volumetric(self, j) -> np.ndarray:
+        """Evaluate V(J) of a compressible law, shape of ``j``; complex step passes through constants.
+
+        A law defines it if its energy is sum_i f(lambda_i) + V(J) of the principal stretches, with
+        f and V and their slopes zero at 1. Then V' is the stress across the plane, and ``hoop_stretch``
+        knows the energy at every stretch across it, which bodies of revolution need.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no volumetric energy of its own")
 
     # ---- three principal stretches, lambda_3 not fixed at 1 ----
 
@@ -218,12 +234,9 @@ class Isotropic(ABC):
         t, j = np.asarray(t), np.asarray(j)
         w = self.derivatives(t, j)
         shear, spread, away = self._deviator(t, j, w)
-        shear_t, shear_j = w[2] / j, (w[3] - shear) / j
-        value = np.sqrt(3.0 * shear * shear * spread + away[0] * away[0])
-        # sigma_vm d(sigma_vm) = 3/2 d(d^2) + (m - sigma_33) d(m - sigma_33)
-        by_t = 3.0 * shear * (shear_t * spread + shear * t) + away[0] * away[1]
-        by_j = 3.0 * shear * (shear_j * spread - 4.0 * shear * j) + away[0] * away[2]
-        return np.array([value, _over(by_t, value), _over(by_j, value)])
+        return von_mises_rows(
+            [shear, w[2] / j, (w[3] - shear) / j], [spread, 2.0 * t, -8.0 * j], away
+        )
 
     def von_mises_constants(self, t, j) -> np.ndarray:
         """Evaluate d sigma_vm / d constant, shape (n_constants, ...); zero at zero stress."""
@@ -237,11 +250,7 @@ class Isotropic(ABC):
 
     def _deviator(self, t, j, w):
         """Evaluate W_T / J, T^2 - 4 J^2, and m - sigma_33 with its derivatives."""
-        # T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2
-        spread = (t - 2.0 * j) * (t + 2.0 * j)
-        # rounding of T and J must not make the square of a difference negative
-        spread = np.where(spread.real > 0.0, spread, 0.0 * spread)
-        return w[0] / j, spread, _mean_stress(t, j, w) - self.across(t, j)
+        return w[0] / j, squared_difference(t, j), _mean_stress(t, j, w) - self.across(t, j)
 
 
 def invariants(F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -258,6 +267,31 @@ def cofactor(F: np.ndarray) -> np.ndarray:
     cof[..., 0, 0], cof[..., 0, 1] = F[..., 1, 1], -F[..., 1, 0]
     cof[..., 1, 0], cof[..., 1, 1] = -F[..., 0, 1], F[..., 0, 0]
     return cof
+
+
+def squared_difference(t, j) -> np.ndarray:
+    """Evaluate T^2 - 4 J^2 = (lambda_1^2 - lambda_2^2)^2 of the two stretches in the plane."""
+    square = (t - 2.0 * j) * (t + 2.0 * j)
+    # rounding of T and J must not make the square of a difference negative
+    return np.where(square.real > 0.0, square, 0.0 * square)
+
+
+def von_mises_rows(shear, spread, away) -> np.ndarray:
+    """Evaluate sigma_vm = sqrt(3 shear^2 spread + away^2) and its derivatives, rows as of the arguments.
+
+    Parameters
+    ----------
+    shear, spread, away : sequence of n + 1 arrays
+        W_T / J, T^2 - 4 J^2 of the plane, and the mean stress in the plane less that across, each
+        followed by its n derivatives. The derivatives of the stress are zero where it is zero.
+    """
+    value = np.sqrt(3.0 * shear[0] * shear[0] * spread[0] + away[0] * away[0])
+    # sigma_vm d(sigma_vm) = 3 shear (d(shear) spread + shear d(spread) / 2) + away d(away)
+    slopes = [
+        3.0 * shear[0] * (s * spread[0] + 0.5 * shear[0] * d) + away[0] * a
+        for s, d, a in zip(shear[1:], spread[1:], away[1:], strict=True)
+    ]
+    return np.array([value, *(_over(slope, value) for slope in slopes)])
 
 
 def _mean_stress(t, j, w):

@@ -2,18 +2,23 @@
 
 import numpy as np
 import pytest
-from laws import ISOCHORIC, LAWS, principal_energy, size
+from laws import LAWS, moved, principal_energy, size
 
 from seal_mdao.materials import hoop_stretch
+from seal_mdao.materials.sponge import graded_sponge
 
 STEP = 1e-30
 ROUNDING = 50 * 30 * np.finfo(float).eps
-STATES = ((0.8, 1.3, 1.1), (1.2, 1.2, 0.7), (0.95, 0.9, 1.0), (1.6, 0.7, 1.3))
+RANDOM = np.random.default_rng(7).uniform(0.6, 1.5, (4, 3))
+STATES = ((0.8, 1.3, 1.1), (1.2, 1.2, 0.7), (0.95, 0.9, 1.0), (1.6, 0.7, 1.3), *map(tuple, RANDOM))
+APART = [own for own in STATES if own[0] != own[1]]
+"""Where both stretches in the plane are equal their roots have no derivatives."""
+ALL = LAWS | {"sponge": graded_sponge("2A3")}
 
 
-@pytest.fixture(params=ISOCHORIC)
+@pytest.fixture(params=ALL)
 def law(request):
-    return LAWS[request.param]
+    return ALL[request.param]
 
 
 def invariants(stretches):
@@ -34,8 +39,13 @@ def close(found, exact, law, factor=1.0):
     np.testing.assert_allclose(found, exact, rtol=0.0, atol=bound)
 
 
-# where both stretches in the plane are equal their roots have no derivatives
-@pytest.mark.parametrize("stretches", [own for own in STATES if own[0] != own[1]])
+@pytest.mark.parametrize("stretches", STATES)
+def test_energy_is_the_published_one(law, stretches):
+    exact = principal_energy(law, np.array(stretches))
+    close(hoop_stretch.energy(law, *invariants(stretches)), exact, law)
+
+
+@pytest.mark.parametrize("stretches", APART)
 def test_first_derivatives_are_those_of_the_published_energy(law, stretches):
     state = np.array(invariants(stretches))
     found = hoop_stretch.derivatives(law, *state)[[0, 1, 5]]
@@ -48,14 +58,11 @@ def test_first_derivatives_are_those_of_the_published_energy(law, stretches):
 @pytest.mark.parametrize("stretches", STATES)
 def test_second_derivatives_are_complex_steps_of_the_first(law, stretches):
     state = np.array(invariants(stretches))
-    w_t, w_j, w_tt, w_tj, w_jj, w_h, w_th, w_jh, w_hh = hoop_stretch.derivatives(law, *state)
+    _, _, w_tt, w_tj, w_jj, _, w_th, w_jh, w_hh = hoop_stretch.derivatives(law, *state)
     rows = np.array([[w_tt, w_tj, w_th], [w_tj, w_jj, w_jh], [w_th, w_jh, w_hh]])
     for k, step in enumerate(1j * STEP * np.eye(3)):
-        (a, b), h = hoop_stretch.plane_state(*(state + step)), (state + step)[2]
-        w_a, w_b = law.derivatives(a, b)[:2]
-        moved = np.array([w_a / h**2, w_b / h**3, -(2.0 * a * w_a + 3.0 * b * w_b) / h])
-        close(rows[:, k], moved.imag / STEP, law, 10.0)
-    assert np.all(np.isfinite([w_t, w_j, w_h]))
+        slopes = hoop_stretch.derivatives(law, *(state + step))[[0, 1, 5]].imag / STEP
+        close(rows[:, k], slopes, law, 10.0)
 
 
 @pytest.mark.parametrize("stretches", STATES)
@@ -67,32 +74,69 @@ def test_von_mises_stress_is_that_of_the_principal_stresses(law, stretches):
     value, *slopes = hoop_stretch.von_mises(law, t, j, h)
     close(value, exact, law)
     for k, step in enumerate(1j * STEP * np.eye(3)):
-        moved = hoop_stretch.von_mises(law, *(np.array([t, j, h]) + step))[0]
+        other = hoop_stretch.von_mises(law, *(np.array([t, j, h]) + step))[0]
         # where the derivative in T is that of a square root of rounding, it is not looked at
         if stretches[0] != stretches[1]:
-            close(slopes[k], moved.imag / STEP, law, 10.0)
+            close(slopes[k], other.imag / STEP, law, 10.0)
 
 
 @pytest.mark.parametrize("stretches", STATES)
-def test_derivatives_in_the_constants_are_central_differences(law, stretches):
-    """Of the second order in the step; laws are linear in moduli and smooth in exponents."""
+def test_no_direction_is_preferred(law, stretches):
+    """Energy and von Mises stress with h exchanged for each of the stretches in the plane."""
+    one, two, h = stretches
+    for function in (hoop_stretch.energy, lambda *state: hoop_stretch.von_mises(*state)[0]):
+        value = function(law, *invariants(stretches))
+        for other in ((h, two, one), (one, h, two)):
+            close(function(law, *invariants(other)), value, law)
+
+
+@pytest.mark.parametrize("stretches", STATES)
+def test_derivatives_in_the_constants_are_complex_steps(law, stretches):
     state = invariants(stretches)
+    complex_state = tuple(map(np.complex128, state))
+    energies = hoop_stretch.constant_energies(law, *state)
     found = hoop_stretch.constant_derivatives(law, *state)
     stress = hoop_stretch.von_mises_constants(law, *state)
     for k, name in enumerate(law.names):
-        step = 1e-5 * abs(law.constants[name])
-        sides = [law.with_(**{name: law.constants[name] + s * step}) for s in (1, -1)]
-        quotient = np.subtract(*(hoop_stretch.derivatives(own, *state)[[0, 1, 5]] for own in sides))
-        quotient /= 2.0 * step
-        scale = size(law) / abs(law.constants[name])
-        np.testing.assert_allclose(found[k], quotient, rtol=1e-8, atol=1e-8 * scale)
-        quotient = np.subtract(*(hoop_stretch.von_mises(own, *state)[0] for own in sides))
-        np.testing.assert_allclose(stress[k], quotient / (2.0 * step), rtol=1e-8, atol=1e-8 * scale)
+        other, scale = moved(law, name, 1j * STEP), max(1.0, 1.0 / abs(law.constants[name] or 1.0))
+        close(energies[k], principal_energy(other, np.array(stretches)).imag / STEP, law, scale)
+        rows = hoop_stretch.derivatives(other, *complex_state)[[0, 1, 5]]
+        close(found[k], rows.imag / STEP, law, scale)
+        if stretches[0] != stretches[1]:
+            value = hoop_stretch.von_mises(other, *complex_state)[0]
+            close(stress[k], value.imag / STEP, law, scale)
+
+
+def test_the_undeformed_state_is_free_of_stress_to_the_bit(law):
+    """Where the von Mises stress has no derivatives: they are zero, not rounding over rounding."""
+    state = tuple(map(np.float64, (2.0, 1.0, 1.0)))
+    assert hoop_stretch.energy(law, *state) == 0.0
+    np.testing.assert_array_equal(hoop_stretch.von_mises(law, *state), 0.0)
+    np.testing.assert_array_equal(hoop_stretch.von_mises_constants(law, *state), 0.0)
+    # P = 2 W_T F + W_J cof F,  P_h = W_h + W_J
+    w_t, w_j, *_, w_h, _, _, _ = hoop_stretch.derivatives(law, *state)
+    assert 2.0 * w_t + w_j == 0.0 == w_h + w_j
+
+
+def test_arrays_are_evaluated_entry_by_entry(law):
+    states = np.array([invariants(own) for own in STATES]).T
+    for name in ("energy", "derivatives", "von_mises", "constant_derivatives", "constant_energies"):
+        function = getattr(hoop_stretch, name)
+        rows = np.moveaxis([function(law, *map(np.float64, own)) for own in states.T], 0, -1)
+        close(function(law, *states), rows, law)
 
 
 def test_without_a_stretch_across_the_plane_it_is_the_law_of_plane_strain(law):
-    t, j, _ = invariants((0.9, 1.2, 1.0))
+    t, j, _ = map(np.float64, invariants((0.9, 1.2, 1.0)))
+    for name in ("energy", "derivatives", "constant_derivatives", "von_mises"):
+        plane = getattr(law, name)(t, j)
+        np.testing.assert_array_equal(getattr(hoop_stretch, name)(law, t, j), plane)
     every = hoop_stretch.derivatives(law, t, j, 1.0)
     np.testing.assert_array_equal(every[:5], law.derivatives(t, j))
-    np.testing.assert_array_equal(hoop_stretch.derivatives(law, t, j), law.derivatives(t, j))
-    np.testing.assert_array_equal(hoop_stretch.von_mises(law, t, j, 1.0)[:3], law.von_mises(t, j))
+    rates = hoop_stretch.constant_derivatives(law, t, j, 1.0)
+    np.testing.assert_array_equal(rates[:, :2], law.constant_derivatives(t, j))
+    np.testing.assert_array_equal(hoop_stretch.energy(law, t, j, 1.0), law.energy(t, j))
+    # the stress across the plane is computed from W_h here
+    close(hoop_stretch.von_mises(law, t, j, 1.0)[:3], law.von_mises(t, j), law)
+    rates = hoop_stretch.von_mises_constants(law, t, j, 1.0)
+    close(rates, law.von_mises_constants(t, j), law)

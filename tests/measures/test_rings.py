@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from quotients import quotients
-from ring_files import cylinder, ring
+from ring_files import FOAM, SPONGE, cylinder, made_of, ring
 from scipy.optimize import brentq
 
 import seal_mdao as sm
-from seal_mdao.materials import hoop_stretch
+from seal_mdao.materials.sponge import graded_sponge
 from seal_mdao.measures.section_shape import Volume
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.profiles import true_pressure
@@ -108,26 +108,23 @@ def test_stress_of_free_particles_has_the_derivatives_of_the_path(seal, result):
 def compressed(material, stretch):
     """Lateral stretch and nominal stress, kPa, of a bar without stress at its side."""
 
-    def energy(lateral, axial):
-        # radial and axial in the plane, the hoop stretch across it
-        state = lateral**2 + axial**2, lateral**2 * axial, lateral
-        isochoric = material.energy(*map(np.float64, hoop_stretch.plane_state(*state)))
-        return isochoric + 0.5 * material.bulk_modulus * (state[1] - 1.0) ** 2
+    def stress(lateral):
+        # tau / lambda at the side and along, from the contract in three stretches
+        state = np.array([lateral, lateral, stretch])
+        j = state.prod()
+        kirchhoff = material.principal_stress(state) + material.bulk_modulus * (j - 1.0) * j
+        return kirchhoff[1:] / state[1:]
 
-    def slope(function, at, step=1e-4):
-        values = [function(at + s * step) for s in (-2, -1, 1, 2)]
-        return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
-
-    side = brentq(
-        lambda lateral: slope(lambda x: energy(x, stretch), lateral), 1.0, 1.5, xtol=1e-13
-    )
-    return side, slope(lambda x: energy(side, x), stretch)
+    side = brentq(lambda lateral: stress(lateral)[0], 0.9, 1.5, xtol=1e-15)
+    return side, stress(side)[1]
 
 
+@pytest.mark.parametrize("material", [None, FOAM, SPONGE], ids=["rubber", "foam", "sponge"])
 @pytest.mark.parametrize("spacing", [0.5, 0.31])
-def test_a_smooth_cylinder_is_compressed_uniformly(spacing, tmp_path):
+def test_a_smooth_cylinder_is_compressed_uniformly(spacing, material, tmp_path):
     """Also at the axis, and with a cloud that is not even: the patch test of contact."""
-    seal = built(tmp_path, cylinder(spacing))
+    text = cylinder(spacing, penalty=1e5)
+    seal = built(tmp_path, made_of(material, text) if material else text)
     result = sm.analyze(seal)
     result.require_converged()
     response, term = result.response("plate"), result.term("plate")
@@ -135,16 +132,43 @@ def test_a_smooth_cylinder_is_compressed_uniformly(spacing, tmp_path):
     np.testing.assert_allclose(pressure, pressure.mean(), rtol=1e-10)
     stretch = 1.0 + result.displacement()[seal.body.edge("top").particles, 1].mean() / 2.0
     side, stress = compressed(result.term("structure").definition.regions[0].material, stretch)
-    # the slopes of the exact energy are good to 1e-10
-    np.testing.assert_allclose(pressure, -stress, rtol=1e-8)
+    np.testing.assert_allclose(pressure, -stress, rtol=1e-10)
+    outer = seal.body.edge("side").particles
+    np.testing.assert_allclose(result.displacement()[outer, 0], 2.0 * (side - 1.0), atol=1e-11)
     force = result.path.force("plate", result.end)
     # pi R^2 P, mm^2 kPa = mN
-    assert force[1] == pytest.approx(-1e-3 * np.pi * 4.0 * stress, rel=1e-8)
+    assert force[1] == pytest.approx(-1e-3 * np.pi * 4.0 * stress, rel=1e-10)
     assert force[0] == 0.0
     # Cauchy stress: force over the deformed area
     np.testing.assert_allclose(
-        true_pressure(result, result.seal.definitions[1]), -stress / side**2, rtol=1e-8
+        true_pressure(result, result.seal.definitions[1]), -stress / side**2, rtol=1e-10
     )
+
+
+def test_sponges_of_two_grades_around_each_other_have_the_force_of_both(tmp_path):
+    """Without lateral strain both are compressed uniformly, under a plate to which they are bonded."""
+    text = made_of('sponge = "2A2"\n', cylinder()).partition("[[profile]]")[0]
+    # the line between both ends at corners
+    text = text.replace("[2.0, 0.0]]", "[1.2, 0.0], [2.0, 0.0]]")
+    text = text.replace("[0.0, 2.0]]", "[1.2, 2.0], [0.0, 2.0]]")
+    text += """
+[material.cover]
+sponge = "2A5"
+[[section.region]]
+material = "cover"
+at = [1.5, 1.0]
+line = [[1.2, 0.0], [1.2, 2.0]]
+[[moved]]
+name = "plate"
+edges = ["top"]
+stage = [{ translate = [0.0, -0.4], steps = 3 }]
+"""
+    result = sm.analyze(built(tmp_path, text))
+    np.testing.assert_allclose(result.displacement()[:, 0], 0.0, atol=1e-12)
+    # P = mu (lambda - 1 / lambda) over the areas of both, kPa mm^2 = mN
+    (inner,), (outer,) = (graded_sponge(name).mu for name in ("2A2", "2A5"))
+    exact = np.pi * (inner * 1.2**2 + outer * (2.0**2 - 1.2**2)) * (0.8 - 1.0 / 0.8)
+    assert result.path.reaction("plate")[-1, 1] == pytest.approx(-1e-3 * exact, rel=1e-10)
 
 
 def test_contact_at_particles_has_an_error_that_falls(tmp_path):
@@ -167,3 +191,35 @@ def test_volume_is_that_of_pappus(seal, result):
     assert result.path.discretization.cells.cell_weights.sum() == pytest.approx(
         2e-3 * np.pi * 16.0, rel=1e-12
     )
+
+
+FOAM_STEPS = {
+    "boundary_offsets[2]": 1e-4, "boundary_offsets[8]": 1e-4, "plate_friction": 1e-4, "mu_1": 1e-2,
+    "alpha_2": 1e-3, "nu_1": 1e-4,
+}  # fmt: skip
+
+
+def test_a_foam_ring_has_the_derivatives_of_its_path(tmp_path):
+    """By shape and by constants: of all measures, and of the stress where the hoop stretch changes."""
+    seal = built(tmp_path, made_of(FOAM, ring(points="averages", friction=0.1)) + DESIGN)
+    result = sm.analyze(seal, keep_factors=True)
+    result.require_converged()
+    points = tuple(
+        int(np.median(seal.body.edge(name).particles[1:-1])) for name in ("side", "bore")
+    )
+    others = (own for own in seal.standard if own.name != "von_mises")
+    measures = (*others, VonMises(points=points))
+    names = tuple(name for name in FOAM_STEPS if name in seal.scalars)
+    direct, adjoint = (
+        sm.differentiate(result, names, measures, method) for method in ("direct", "adjoint")
+    )
+    for measure in measures:
+        one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * np.abs(one).max())
+    for name, step in FOAM_STEPS.items():
+        column = direct.parameters.index(name)
+        for measure, (quotient, bound) in quotients(seal, name, step, measures=measures).items():
+            found = np.atleast_2d(direct[measure])[:, column]
+            assert np.all(np.abs(found - quotient) <= bound), (name, measure)
+            # 0.02 mJ is the work of friction; the volume does not depend on constants
+            assert bound.max() <= 1e-6 * max(np.abs(found).max(), 0.02), (name, measure)

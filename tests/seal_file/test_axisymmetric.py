@@ -5,15 +5,15 @@ import json
 import numpy as np
 import openmdao.api as om
 import pytest
-from ring_files import cylinder, ring
+from ring_files import FOAM, cylinder, made_of, ring
 
 import seal_mdao as sm
 from seal_mdao.cli.subcommands import main
+from seal_mdao.materials.hyperfoam import Hyperfoam
+from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.result_units import PLANE
 
 DESIGN = '[[design]]\nedges = ["side"]\nparameters = 5\nbound = 0.3\n'
-SPONGE = '[material.rubber]\nsponge = "2A2"\n'
-RUBBER = ring()[ring().index("[material") : ring().index("[section]")]
 
 
 def read(folder, text):
@@ -51,7 +51,6 @@ def test_the_ring_beside_the_axis_is_free_there(tmp_path):
         ('"axisymmetric"', '"spherical"', "must be one of plane_strain, axisymmetric"),
         ("[3.0, 0.0]", "[-1.0, 0.0]", r"goes to x = -1, beyond the axis x = 0"),
         ('"top"]', '"bore"]', "lies on the axis of revolution"),
-        (RUBBER, SPONGE, "a compressible law is known in plane strain only"),
         ("steps = 4", "steps = 4\nrotate = 5.0", "rotates, which no body of revolution does"),
     ],
 )
@@ -63,6 +62,17 @@ def test_what_a_ring_cannot_have_is_refused(tmp_path, old, new, words):
     assert changed != text
     with pytest.raises(sm.SealFileError, match=words):
         read(tmp_path, changed)
+
+
+def test_a_compressible_law_needs_a_volumetric_energy(tmp_path, monkeypatch):
+    """That of the package has one; one from outside may be known in plane strain only."""
+    text = made_of(FOAM, ring())
+    (law,) = read(tmp_path, text).materials.values()
+    assert law.bulk_modulus == 0.0
+    monkeypatch.setattr(Hyperfoam, "volumetric", Isotropic.volumetric)
+    with pytest.raises(sm.SealFileError, match="Hyperfoam is known in plane strain only"):
+        read(tmp_path, text)
+    assert read(tmp_path, text.replace('"axisymmetric"', '"plane_strain"')).materials
 
 
 def test_a_section_that_touches_the_axis_at_a_point_is_refused(tmp_path):

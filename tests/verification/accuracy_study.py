@@ -100,7 +100,7 @@ REFINED_STEPS = {
 }  # fmt: skip
 RINGS = {
     "ring_disc_2": (0.2,), "ring_disc_5": (0.4, 0.3), "ring_squeezed": (0.3, 0.2),
-    "ring_sleeve": (0.4, 0.3, 0.2),
+    "ring_sleeve": (0.4, 0.3, 0.2), "ring_foam": (0.4, 0.3),
 }  # fmt: skip
 """Spacings of bodies of revolution, mm: that of the file, then smaller ones."""
 DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.materials.hoop_stretch import is_isochoric
+from seal_mdao.materials.hoop_stretch import is_known
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING
 from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.schema import Table, key, table
@@ -80,10 +80,10 @@ def check_axisymmetric(file) -> None:
     _check_edges_on_axis(file)
     _check_motions(file)
     for name, material in file.materials.items():
-        if not is_isochoric(material):
+        if not is_known(material):
             raise SealFileError(
-                f"[material.{name}]: a compressible law is known in plane strain only; for "
-                f'kinematics = "{AXISYMMETRIC}" choose one with a bulk_modulus'
+                f"[material.{name}]: the compressible law {type(material).__name__} is known in plane "
+                f'strain only; for kinematics = "{AXISYMMETRIC}" define its method volumetric'
             )
     for place, measure in enumerate(file.measures, 1):
         if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:

@@ -33,6 +33,8 @@ METHOD = (
     "biquadratic displacement, linear discontinuous pressure and volume ratio, axisymmetric; nodes "
     "against a rigid plane with stiff penalties, Coulomb friction by return mapping; upper half"
 )
+FOAM_METHOD = "biquadratic displacement, axisymmetric; upper half"
+FOAM_CODE = "FElupe 11.3.0 (SolidBody of Hyperelastic storakers), tensortrax 0.29.0"
 AXIAL, RADIAL = 0, 1
 """Components of displacement."""
 FLIPPED = [0, 3, 2, 1, 7, 6, 5, 4, 8]
@@ -114,6 +116,14 @@ BONDED = {
     )
     for thickness in (2, 5)
 }  # fmt: skip
+FOAM = {"mu": [40.0, 15.0], "alpha": [6.0, -3.0], "nu": [0.3, 0.2]}
+BONDED["ring_foam"] = (
+    5,
+    replace(
+        BONDED["ring_disc_5"][1], rubber=FOAM, travel=[0.5, 1.0],
+        section="foam disc of radius 10 mm and thickness 5 mm bonded to two flat plates",
+    ),
+)  # fmt: skip
 
 
 def model_of(case, mesh):
@@ -130,10 +140,17 @@ def model_of(case, mesh):
     one = np.tile(np.eye(k)[0], n)[:, None]
     u = fem.FieldAxisymmetric(region, dim=2)
     pressure, volume = fem.Field(dual, dim=1), fem.Field(dual, dim=1, values=one)
-    fields = fem.FieldContainer([u, pressure, volume])
-    c10, c01, bulk = case.rubber.values()
-    law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
-    solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
+    if case.rubber is FOAM:
+        # beta = nu / (1 - 2 nu); one field
+        mu, alpha, nu = (np.array(own) for own in FOAM.values())
+        fields, storakers = fem.FieldContainer([u]), mat.models.hyperelastic.storakers
+        law = mat.Hyperelastic(storakers, mu=mu, alpha=alpha, beta=nu / (1.0 - 2.0 * nu))
+        solid = fem.SolidBody(law, fields)
+    else:
+        fields = fem.FieldContainer([u, pressure, volume])
+        c10, c01, bulk = case.rubber.values()
+        law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
+        solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
     plate = fem.ContactRigidPlane(
         fields, touched, -1, normal=[-1.0, 0.0], friction=case.friction,
         multiplier=case.normal_penalty, multiplier_tangential=case.tangent_penalty,
@@ -248,9 +265,14 @@ def change(one, other, key):
 
 def written(case, found):
     """Entries that say what was computed, with those ``found``."""
-    about = {"section": case.section, "rubber": {"law": "mooney_rivlin", **case.rubber}}
+    foam = case.rubber is FOAM
+    about = {"section": case.section}
+    about["rubber"] = {"law": "hyperfoam" if foam else "mooney_rivlin", **case.rubber}
     about |= {"friction": case.friction, "travel_mm": case.travel}
-    return about | {"method": METHOD, "code": CODE} | rounded(found)
+    about |= (
+        {"method": FOAM_METHOD, "code": FOAM_CODE} if foam else {"method": METHOD, "code": CODE}
+    )
+    return about | rounded(found)
 
 
 def main(name):
