@@ -9,7 +9,7 @@ of the section as it is stretched is
     W = m theta^3 G(T / theta^2, J / theta^3, h / theta)              body of revolution, h = r / R
 
 A nearly incompressible law has its growth in the volumetric energy alone (``volumetric``): theta = 1
-here.
+here. Without conditions, None, the law is that of ``hoop_stretch``.
 """
 
 from typing import NamedTuple
@@ -73,9 +73,11 @@ def _scales(own: _State, factor):
     return factor * own.growth / own.length, factor, factor * own.growth**2 / own.length
 
 
-def derivatives(material, state, conditions: Conditions) -> np.ndarray:
+def derivatives(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...); of a state (T, J, h) also W_h, W_Th, W_Jh,
     W_hh, shape (9, ...)."""
+    if conditions is None:
+        return hoop_stretch.derivatives(material, *state)
     own = _seen(material, state, conditions)
     rows, theta, length = hoop_stretch.derivatives(material, *own.law), own.growth, own.length
     on_t, on_j, on_h = _scales(own, conditions.factor)
@@ -83,10 +85,8 @@ def derivatives(material, state, conditions: Conditions) -> np.ndarray:
         on_t, on_j, on_t / theta**2, on_j / theta**2, on_j * length / theta**3, on_h,
         on_h / theta**2, on_h * length / theta**3, on_h / theta,
     )  # fmt: skip
-    out = np.empty((len(rows) if own.around else 5, *rows.shape[1:]), rows.dtype)
-    for row, scale in enumerate(scales[: len(out)]):
-        out[row] = scale * rows[row]
-    return out
+    count = len(rows) if own.around else 5
+    return np.array([scale * row for scale, row in zip(scales[:count], rows[:count], strict=True)])
 
 
 def rates(material, state, conditions: Conditions) -> np.ndarray:
@@ -130,17 +130,21 @@ def _without_growth(material, out: np.ndarray) -> np.ndarray:
     return out
 
 
-def constant_derivatives(material, state, conditions: Conditions) -> np.ndarray:
+def constant_derivatives(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...); of a state (T, J, h) also of W_h,
     shape (n_constants, 3, ...)."""
+    if conditions is None:
+        return hoop_stretch.constant_derivatives(material, *state)
     own = _seen(material, state, conditions)
     rows = hoop_stretch.constant_derivatives(material, *own.law)
     scales = _scales(own, conditions.factor)[: 3 if own.around else 2]
     return np.stack([scale * rows[:, row] for row, scale in enumerate(scales)], axis=1)
 
 
-def energy(material, state, conditions: Conditions) -> np.ndarray:
+def energy(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate W, shape of T."""
+    if conditions is None:
+        return hoop_stretch.energy(material, *state)
     own = _seen(material, state, conditions)
     return _energy_scale(own, conditions) * hoop_stretch.energy(material, *own.law)
 
@@ -150,8 +154,10 @@ def _energy_scale(own: _State, conditions: Conditions):
     return conditions.factor * own.growth**3 / own.length
 
 
-def constant_energies(material, state, conditions: Conditions) -> np.ndarray:
+def constant_energies(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate dW / d constant, shape (n_constants, ...)."""
+    if conditions is None:
+        return hoop_stretch.constant_energies(material, *state)
     own = _seen(material, state, conditions)
     return _energy_scale(own, conditions) * hoop_stretch.constant_energies(material, *own.law)
 
@@ -173,17 +179,21 @@ def energy_rates(material, state, conditions: Conditions) -> np.ndarray:
     return _without_growth(material, out)
 
 
-def von_mises(material, state, conditions: Conditions) -> np.ndarray:
+def von_mises(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate the von Mises stress, d/dT and d/dJ, shape (3, ...); of a state (T, J, h) also d/dh,
     shape (4, ...)."""
+    if conditions is None:
+        return hoop_stretch.von_mises(material, *state)
     own = _seen(material, state, conditions)
     value, by_t, by_j, by_h = conditions.factor * hoop_stretch.von_mises(material, *own.law)
     by_t, by_j = by_t / own.growth**2, by_j * own.length / own.growth**3
     return np.array([value, by_t, by_j, *([by_h / own.growth] if own.around else [])])
 
 
-def von_mises_constants(material, state, conditions: Conditions) -> np.ndarray:
+def von_mises_constants(material, state, conditions: Conditions | None) -> np.ndarray:
     """Evaluate d sigma_vm / d constant, shape (n_constants, ...)."""
+    if conditions is None:
+        return hoop_stretch.von_mises_constants(material, *state)
     own = _seen(material, state, conditions)
     return conditions.factor * hoop_stretch.von_mises_constants(material, *own.law)
 

@@ -16,8 +16,10 @@ from seal_mdao.structure.deformation import (
 )
 from seal_mdao.structure.energy_gradient import BodySeeds
 from seal_mdao.structure.environment import (
+    NO_CONDITIONS,
     Environment,
     Growth,
+    RegionConditions,
     at_points,
     region_conditions,
 )
@@ -240,12 +242,8 @@ class StructuralTerm(Term):
         rows = self._by_cell(out)
         # every region by its own law
         for region, state in self._by_region(deformation):
-            if environment is None:
-                found = hoop_stretch.derivatives(region.material, *state)
-            else:
-                own = self._conditions(region, deformation).conditions
-                found = conditioned.derivatives(region.material, state, own)
-            rows[:, :, region.at] = found
+            own = self._conditions(region, deformation.fractions)
+            rows[:, :, region.at] = conditioned.derivatives(region.material, state, own.conditions)
         return out
 
     def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
@@ -256,13 +254,15 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
+            own = self._conditions(region, deformation.fractions)
             # d(W_T, W_J)/dc; equal names are one parameter
-            if self.definition.environment is None:
-                rows = hoop_stretch.constant_derivatives(region.material, *state)
-                found = zip(region.names, rows, strict=True)
-            else:
-                found = self._rates_of_region(region, state, deformation)
-            for name, row in found:
+            rows = conditioned.constant_derivatives(region.material, state, own.conditions)
+            for name, row in zip(region.names, rows, strict=True):
+                by_cell[self.names.index(name)][:, :, region.at] += row
+            # d(W_T, W_J)/dp = d(W_T, W_J)/d(h, theta, m) . d(h, theta, m)/dp
+            for name, rates in own.rates.items():
+                slopes = conditioned.rates(region.material, state, own.conditions)
+                row = (slopes * rates[:, None]).sum(axis=0)
                 by_cell[self.names.index(name)][:, :, region.at] += row
         # K* c' acts with W_J
         bulk = self.bulk_at(deformation.fractions)
@@ -270,20 +270,13 @@ class StructuralTerm(Term):
             out[self.names.index(name), 1] += (bulk * offset)[..., None]
         return out
 
-    def _rates_of_region(self, region: Region, state, deformation: Deformation):
-        """Yield the parameters of a region in an environment, and d(W_T, W_J, W_h) / d(each)."""
-        own = self._conditions(region, deformation)
-        rows = conditioned.constant_derivatives(region.material, state, own.conditions)
-        yield from zip(region.names, rows, strict=True)
-        # d(W_T, W_J)/dp = d(W_T, W_J)/d(h, theta, m) . d(h, theta, m)/dp
-        by_conditions = conditioned.rates(region.material, state, own.conditions)
-        for name, rates in own.rates.items():
-            yield name, (by_conditions * rates[:, None]).sum(axis=0)
-
-    def _conditions(self, region: Region, deformation: Deformation):
-        """``RegionConditions`` of a region at the path parameters of K fields."""
-        environment, fractions = self.definition.environment, deformation.fractions
-        return region_conditions(environment, region.growth, region.prefix, fractions)
+    def _conditions(self, region: Region, fractions) -> RegionConditions:
+        """Conditions of a region at path parameters (K,); none without an environment."""
+        if self.definition.environment is None:
+            return NO_CONDITIONS
+        return region_conditions(
+            self.definition.environment, region.growth, region.prefix, fractions
+        )
 
     # ---- the projected pressure p = K* (s + c) ----
 
@@ -305,12 +298,12 @@ class StructuralTerm(Term):
 
     def _volumetric(self, fractions) -> "ColumnsVolumetric":
         """What the environment does to K and to the volume change, of every column of cells."""
-        shape, environment = (len(fractions), len(self.bulk)), self.definition.environment
-        if environment is None:
+        shape = len(fractions), len(self.bulk)
+        if self.definition.environment is None:
             return ColumnsVolumetric(np.ones(shape), np.zeros(shape), {})
         out, rates = np.empty((2, *shape)), {}
         for number, region in enumerate(self.definition.regions):
-            own = region_conditions(environment, region.growth, region.prefix, fractions)
+            own = self._conditions(region, fractions)
             law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
             out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
             slopes = np.array([law.bulk_rates, law.offset_rates])
@@ -394,26 +387,18 @@ class StructuralTerm(Term):
     def von_mises(self, region: Region, state, fraction: float) -> np.ndarray:
         """Von Mises stress at states (T, J), or (T, J, h), of a region, and its derivatives in them,
         shape (3 or 4, ...)."""
-        environment = self.definition.environment
-        if environment is None:
-            return hoop_stretch.von_mises(region.material, *state)
-        own = at_points(region_conditions(environment, region.growth, region.prefix, [fraction]))
+        own = at_points(self._conditions(region, [fraction]))
         return conditioned.von_mises(region.material, state, own.conditions)
 
     def von_mises_rates(self, region: Region, state, fraction: float):
         """Yield the parameters of a region and d sigma_vm / d(each) at states of it."""
-        environment, material = self.definition.environment, region.material
-        if environment is None:
-            rows = hoop_stretch.von_mises_constants(material, *state)
-            yield from zip(region.names, rows, strict=True)
-            return
-        own = at_points(region_conditions(environment, region.growth, region.prefix, [fraction]))
-        rows = conditioned.von_mises_constants(material, state, own.conditions)
+        own = at_points(self._conditions(region, [fraction]))
+        rows = conditioned.von_mises_constants(region.material, state, own.conditions)
         yield from zip(region.names, rows, strict=True)
         # d sigma/dp = d sigma/d(h, theta, m) . d(h, theta, m)/dp
-        by_conditions = conditioned.von_mises_rates(material, state, own.conditions)
         for name, rates in own.rates.items():
-            yield name, (by_conditions * rates).sum(axis=0)
+            slopes = conditioned.von_mises_rates(region.material, state, own.conditions)
+            yield name, (slopes * rates).sum(axis=0)
 
     # ---- the contract of a term ----
 
@@ -529,11 +514,8 @@ class StructuralTerm(Term):
         out = np.empty(deformation.square.shape)
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            if self.definition.environment is None:
-                by_cell[:, region.at] = hoop_stretch.energy(region.material, *state)
-                continue
-            own = self._conditions(region, deformation).conditions
-            by_cell[:, region.at] = conditioned.energy(region.material, state, own)
+            own = self._conditions(region, deformation.fractions)
+            by_cell[:, region.at] = conditioned.energy(region.material, state, own.conditions)
         return out[0]
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
@@ -541,24 +523,15 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            if self.definition.environment is None:
-                rows = hoop_stretch.constant_energies(region.material, *state)
-                found = zip(region.names, rows, strict=True)
-            else:
-                found = self._energy_rates_of_region(region, state, deformation)
-            for name, row in found:
+            own = self._conditions(region, deformation.fractions)
+            rows = conditioned.constant_energies(region.material, state, own.conditions)
+            for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, region.at] += row
+            # dW/dp = dW/d(h, theta, m) . d(h, theta, m)/dp
+            for name, rates in own.rates.items():
+                slopes = conditioned.energy_rates(region.material, state, own.conditions)
+                by_cell[self.names.index(name)][:, region.at] += (slopes * rates).sum(axis=0)
         return out[:, 0]
-
-    def _energy_rates_of_region(self, region: Region, state, deformation: Deformation):
-        """Yield the parameters of a region in an environment, and dW / d(each)."""
-        own = self._conditions(region, deformation)
-        rows = conditioned.constant_energies(region.material, state, own.conditions)
-        yield from zip(region.names, rows, strict=True)
-        # dW/dp = dW/d(h, theta, m) . d(h, theta, m)/dp
-        by_conditions = conditioned.energy_rates(region.material, state, own.conditions)
-        for name, rates in own.rates.items():
-            yield name, (by_conditions * rates).sum(axis=0)
 
     def energy_by_constants(self, deformation: Deformation) -> np.ndarray:
         """dE / d(every parameter) of one field, shape (C,)."""

@@ -112,14 +112,17 @@ class RegionConditions(NamedTuple):
 
     Attributes
     ----------
-    conditions : Conditions
-        Arrays (K, 1, 1).
+    conditions : Conditions or None
+        Arrays (K, 1, 1); None in a body that has no environment.
     rates : dict of str to ndarray, shape (3, K, 1, 1)
         Derivatives of h, theta and m in the parameters, by their names with the region's prefix.
     """
 
-    conditions: Conditions
+    conditions: Conditions | None
     rates: dict
+
+
+NO_CONDITIONS = RegionConditions(None, {})
 
 
 def region_conditions(environment: Environment, growth: Growth, prefix: str, fractions):
@@ -155,5 +158,7 @@ def region_conditions(environment: Environment, growth: Growth, prefix: str, fra
 
 def at_points(own: RegionConditions) -> RegionConditions:
     """Return conditions at one path parameter for arrays of points, (1,) in place of (1, 1, 1)."""
+    if own.conditions is None:
+        return own
     conditions = Conditions(*(np.ravel(values) for values in own.conditions))
     return RegionConditions(conditions, {n: rates.reshape(3, 1) for n, rates in own.rates.items()})

@@ -4,6 +4,7 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.loads.ramp import Ramp, ramp_of_stages
+from seal_mdao.materials.hoop_stretch import is_known
 from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, GENERALISED
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.values import formatted
@@ -60,6 +61,13 @@ def check_environment(file) -> None:
         _check_factors(file, name)
     if environment is None:
         return
+    for name, material in file.materials.items():
+        if not is_known(material):
+            raise SealFileError(
+                f"[material.{name}]: this compressible law is known in plane strain alone, without a "
+                "temperature, swelling or axial_stretch; it needs the methods volumetric and "
+                "volumetric_constants"
+            )
     if file.cavities:
         raise SealFileError(
             "[[cavity]] 1: the air of a hole takes no part in a temperature, swelling or axial_stretch; "
