@@ -194,7 +194,10 @@ class StructuralTerm(Term):
         self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
         self.deformation = no_deformation(1, self.cells, len(self.functions))
         size = discretization.body.support_radius.max() * discretization.depth
-        self.rounding = float(self.bulk.max() * size)
+        # of a compressible law its own stiffness
+        laws = [region.material for region in definition.regions]
+        stiffness = max(law.bulk_modulus or law.initial_bulk_modulus for law in laws)
+        self.rounding = float(stiffness * size)
 
     def _per_column(self, values, dtype=float, what="bulk moduli") -> np.ndarray:
         """A value of each region spread to the columns of cells, shape (n_columns,).

@@ -1,0 +1,150 @@
+"""Temperature, swelling and axial stretch of seal files: derivatives, equal steps, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from block_files import DESIGN, FIXED, LID, text
+from quotients import quotients
+from ring_files import ring
+
+import seal_mdao as sm
+from seal_mdao.seals.file.read import read_seal_file
+
+HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
+MEASURES = '[[measure]]\ntype = "strain_energy"\n[[measure]]\ntype = "von_mises"\n'
+NAMES = ("axial_stretch", "temperature", "expansion", "swelling", "c10", "bulk_modulus")
+
+
+def heated(given: str, model: str) -> str:
+    """A seal file with keys of its only rubber and of its model."""
+    given = given.replace("[material.rubber]\n", f"[material.rubber]\n{HEATED_KEYS}\n")
+    if "[model]\n" in given:
+        return given.replace("[model]\n", f"[model]\n{model}\n")
+    return f"[model]\n{model}\n" + given
+
+
+HEATED_KEYS = f"modulus_over_temperature = {HEATED}"
+LONG = heated(
+    text(FIXED, LID, DESIGN, MEASURES),
+    'kinematics = "generalised_plane_strain"\naxial_stretch = 1.04\ntemperature = 90.0',
+)
+AROUND = heated(
+    ring() + '[[design]]\nedges = ["side"]\nparameters = 3\nbound = 0.3\n'
+    '[[measure]]\ntype = "reaction"\n' + MEASURES,
+    "temperature = [60.0]",
+)
+
+
+def read(folder, content):
+    path = folder / "seal.toml"
+    path.write_text(content)
+    return read_seal_file(path)
+
+
+def foam(given: str) -> str:
+    """The file with a foam in place of its rubber."""
+    before, rest = given.split('law = "mooney_rivlin"', 1)
+    after = rest.split("bulk_modulus", 1)[1].split("\n", 1)[1]
+    return f'{before}law = "hyperfoam"\nmu = [120.0]\nalpha = [3.0]\nnu = [0.2]\n{after}'
+
+
+@pytest.fixture(scope="module", params=[LONG, AROUND, foam(LONG)], ids=["long", "ring", "foam"])
+def seal(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("heated")
+    built = sm.build_seal(read(folder, request.param))
+    return replace(built, newton=sm.NewtonOptions(tolerance=1e-12))
+
+
+@pytest.fixture(scope="module")
+def result(seal):
+    found = sm.analyze(seal, keep_factors=True)
+    found.require_converged()
+    return found
+
+
+def known(seal):
+    return tuple(name for name in NAMES if name in seal.scalars)
+
+
+def test_direct_and_adjoint_agree(seal, result):
+    direct, adjoint = (
+        sm.differentiate(result, known(seal), None, method) for method in ("direct", "adjoint")
+    )
+    for measure in seal.standard:
+        one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
+        assert np.all(np.abs(one).max(axis=1) > 0.0)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11 * np.abs(one).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "step"),
+    [("axial_stretch", 1e-4), ("temperature", 1e-2), ("expansion", 1e-6), ("swelling", 1e-4),
+     ("boundary_offsets[1]", 2e-5)],
+)  # fmt: skip
+def test_derivatives_are_those_of_the_path(seal, result, name, step):
+    if name == "axial_stretch" and name not in seal.scalars:
+        assert seal.body.axisymmetric
+        return
+    direct = sm.differentiate(result, known(seal), None, "direct")
+    column = direct.parameters.index(name)
+    for measure, (quotient, bound) in quotients(seal, name, step).items():
+        one = np.atleast_2d(direct[measure])[:, column]
+        assert np.all(np.abs(one - quotient) <= bound), measure
+        assert bound.max() <= 1e-5 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-4), measure
+
+
+def test_values_at_the_ends_of_stages(tmp_path):
+    given = LONG.replace(
+        "stage = [{ translate = [0, -0.5], steps = 3 }]",
+        "stage = [{ translate = [0, -0.5], steps = 2 }, { translate = [0, 0.1], steps = 3 }]",
+    ).replace("temperature = 90.0", "temperature = [90.0, -10.0]")
+    environment = sm.build_seal(read(tmp_path, given)).terms()[0].environment
+    np.testing.assert_allclose(
+        environment.temperature.at(range(6)), [23.0, 56.5, 90.0, 170 / 3, 70 / 3, -10.0]
+    )
+    np.testing.assert_allclose(environment.axial_stretch.at(range(6)), [1, 1.02, *[1.04] * 4])
+    # the parameter is the temperature that is farthest from 23 degrees: the other keeps its share
+    hotter = environment.with_parameters({"temperature": 123.5})
+    np.testing.assert_allclose(hotter.temperature.at([2, 5]), [123.5, 23 - 33 * 1.5])
+
+
+def test_a_rubber_without_heat_has_the_results_of_plane_strain(tmp_path):
+    """Stretch 1 and the temperature of reference, to the bit."""
+    plain = text(FIXED, LID, DESIGN, MEASURES)
+    still = heated(
+        plain,
+        'kinematics = "generalised_plane_strain"\naxial_stretch = 1.0\ntemperature = 23.0',
+    ).replace("swelling = 1.06", "swelling = 1.0")
+    results = [sm.analyze(sm.build_seal(read(tmp_path, own))) for own in (plain, still)]
+    one, other = (result.path.steps[-1].d for result in results)
+    np.testing.assert_array_equal(one, other)
+    assert results[0].strain_energy == results[1].strain_energy
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("axial_stretch = 1.04\n", "", "needs axial_stretch, such as 1.03"),
+        ('kinematics = "generalised_plane_strain"\n', "", "axial_stretch = 1.04 is for kinematics"),
+        (
+            "axial_stretch = 1.04",
+            "axial_stretch = [1.0, 1.04]",
+            "has 2 numbers, but 'lid' has 1 st",
+        ),
+        ("temperature = 90.0", "temperature = -300.0", "above -273.15 and at most 1000"),
+        ('"entropic"', "[[0.0, 1.0], [50.0, 0.8]]", "goes from 0 to 50, but .* from 23 to 90"),
+        ('"entropic"', "[[50.0, 1.0], [0.0, 0.8]]", "with increasing temperatures"),
+        ('type = "von_mises"', 'type = "friction_work"', "friction_work is the work"),
+    ],
+)
+def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
+    assert old in LONG
+    with pytest.raises(sm.SealFileError, match=words):
+        read(tmp_path, LONG.replace(old, new))
+
+
+def test_a_temperature_that_changes_nothing_is_refused(tmp_path):
+    given = LONG.replace(f"{HEATED_KEYS}\n", "")
+    with pytest.raises(sm.SealFileError, match="no material has an expansion or a modulus_over"):
+        read(tmp_path, given)
