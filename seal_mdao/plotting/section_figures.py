@@ -69,7 +69,8 @@ def section_cloud(result: SealResult) -> Figure:
         np.arange(len(particles)), [i for own in moved_edges(seal) for i in own.particles]
     )
     fixed = seal.body.fixed.any(axis=1) & ~moved
-    axes.plot(*particles[fixed].T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
+    if fixed.any():
+        axes.plot(*particles[fixed].T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
     if moved.any():
         marker = {"color": "black", "markerfacecolor": "white", "markersize": 3.5}
         axes.plot(*particles[moved].T, "s", **marker, zorder=5, label="moved")
