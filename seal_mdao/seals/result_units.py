@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-PER_METRE = {"N/m": "N", "mJ/m": "mJ"}
+PER_METRE = {"N/m": "N", "mJ/m": "mJ", "g/m": "g", "mm**3/s/m": "mm**3/s"}
 """Units of results per metre of depth, and of the same results of a ring."""
 
 

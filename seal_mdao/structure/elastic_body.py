@@ -32,11 +32,14 @@ class Region(NamedTuple):
         Places of the cells; None for all of them.
     prefix : str
         Put before the names of the material's constants.
+    density : float or None
+        kg/m^3; the measure ``mass`` alone needs it.
     """
 
     material: object
     cells: np.ndarray | None = None
     prefix: str = ""
+    density: float | None = None
 
     @property
     def name(self) -> str:

@@ -77,11 +77,6 @@ def test_a_section_that_touches_the_axis_at_a_point_is_refused(tmp_path):
     ("table", "words"),
     [
         ('[[measure]]\ntype = "reaction"\nlength = 100.0\n', "length is for kinematics"),
-        (
-            '[[measure]]\ntype = "leak_rate"\nprofile = "plate"\nrms_roughness = 5.0\n'
-            "roll_off_wavelength = 500.0\nshortest_wavelength = 1.0\npressure = 10.0\n",
-            "leak_rate",
-        ),
         ('[[design]]\nedges = ["bore"]\nparameters = 5\nbound = 0.1\n', "lies on the axis"),
     ],
 )

@@ -1,6 +1,6 @@
 """The tables of a seal file, and the decisions that they make for its seal."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -76,6 +76,8 @@ class SealFile:
     step_tolerance : float or None
         Within which the load steps are to be chosen: every stage has one until then. None where they
         are given.
+    densities : dict of str to (float or None)
+        Of the materials, kg/m^3, where they are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
     """
@@ -98,6 +100,7 @@ class SealFile:
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
     model: ModelTable = MODEL
+    densities: dict[str, float | None] = field(default_factory=dict)
 
     @property
     def axisymmetric(self) -> bool:
@@ -174,11 +177,14 @@ class SealFile:
         # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""
-        rest = SectionRegion(self.materials[section.material], prefix, lines=section.parting)
+        rest = SectionRegion(
+            self.materials[section.material], prefix, lines=section.parting,
+            density=self.densities[section.material],
+        )  # fmt: skip
         return [rest] + [
             SectionRegion(
                 self.materials[own.material], f"{own.material}_", own.at,
-                () if own.line is None else (own.line,),
+                () if own.line is None else (own.line,), self.densities[own.material],
             )
             for own in section.regions
         ]  # fmt: skip

@@ -34,6 +34,12 @@ MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
 """Constants in kPa."""
 STABLE = (0.7, 1.5)
 """Stretches between which every material has to be stable unless its table says others."""
+Density = number("kg/m3", above=0.0, most=1e5) | None
+
+
+def _density() -> Density:
+    """The key of the density, which every table of a material has."""
+    return key("mass per volume, which the measure `mass` needs", None)
 
 
 def _range(given):
@@ -60,6 +66,7 @@ class LawTable(Table):
         "least and largest stretch between which more strain has to take more stress in every test",
         STABLE,
     )
+    density: Density = _density()
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, which has to be stable.
@@ -104,7 +111,7 @@ class FitTable(LawTable):
         return fit(self.law, read_tests(folder / self.data), **own).law
 
 
-FURTHER = ("law", "stable", "data")
+FURTHER = ("law", "stable", "data", "density")
 """Keys of these tables that are no arguments of the law or its fit."""
 
 
@@ -176,6 +183,7 @@ class ShoreTable(Table):
         "hardness, instead of a law; a parameter that may vary"
     )
     bulk_modulus: number("kPa", above=0.0) = key("of dense rubber", BULK_MODULUS)
+    density: Density = _density()
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, as ``LawTable.made``."""
@@ -187,6 +195,7 @@ class SpongeTable(Table):
     """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
     sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")
+    density: Density = _density()
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, as ``LawTable.made``."""

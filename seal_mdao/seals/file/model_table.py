@@ -55,10 +55,9 @@ def check_axisymmetric(file) -> None:
                 f'kinematics = "{AXISYMMETRIC}" choose one with a bulk_modulus'
             )
     for number, measure in enumerate(file.measures, 1):
-        if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:
-            what = measure.type if measure.type == "leak_rate" else "length"
+        if getattr(measure, "length", None) is not None:
             raise SealFileError(
-                f'[[measure]] {number}: {what} is for kinematics = "{PLANE_STRAIN}"; a ring has its '
+                f'[[measure]] {number}: length is for kinematics = "{PLANE_STRAIN}"; a ring has its '
                 "own length, and its forces are in N"
             )
 

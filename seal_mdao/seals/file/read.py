@@ -136,7 +136,7 @@ def _decided(written: Written, path: Path) -> SealFile:
         _with_contact_points(profiles, section, written), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
         step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
-        written.model,
+        written.model, {name: own.density for name, own in written.material.items()},
     )  # fmt: skip
 
 

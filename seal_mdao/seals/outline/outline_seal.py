@@ -42,12 +42,15 @@ class SectionRegion(NamedTuple):
         A point of the part, mm; None for all that is in no other region.
     lines : tuple of ndarray, shape (k, 2)
         Between two points of the boundary each, along which the section is divided, mm.
+    density : float or None
+        kg/m^3; the measure ``mass`` alone needs it.
     """
 
     material: object
     prefix: str = ""
     at: tuple | None = None
     lines: tuple = ()
+    density: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -243,7 +246,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     """Find the cells of every region, first of that of the rest."""
     rest, *others = sorted(regions, key=lambda region: region.at is not None)
     if not others:
-        return (Region(rest.material, None, rest.prefix),)
+        return (Region(rest.material, None, rest.prefix, rest.density),)
     parts = [filled.part_at(region.at) for region in others]
     for i, part in enumerate(parts):
         if part in parts[:i]:
@@ -261,7 +264,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(
-        Region(region.material, own, region.prefix)
+        Region(region.material, own, region.prefix, region.density)
         for region, own in zip((rest, *others), cells, strict=True)
     )
 
