@@ -61,6 +61,13 @@ def test_a_section_near_the_axis_is_shown_with_its_mirror_image(solid):
     ]  # fmt: skip
 
 
+def test_the_name_of_a_profile_across_the_axis_is_on_the_right(solid):
+    (name,) = plotting.section_cloud(solid).axes[0].texts
+    assert name.get_text() == "plate"
+    # in the middle of the visible part, 0 to 2.4 mm
+    assert name.get_position()[0] == pytest.approx(1.2, abs=0.2)
+
+
 def test_a_section_far_from_the_axis_is_shown_alone(wide):
     axes = plotting.section_cloud(wide).axes[0]
     assert axes.get_xlim()[0] > 0.0
