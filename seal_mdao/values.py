@@ -139,6 +139,13 @@ def require(condition, message: str) -> None:
         raise ValueError(message)
 
 
+def place(point) -> str:
+    """Format coordinates in mm for a message, what rounding leaves of a zero as 0."""
+    # 1e-9 mm is beyond any section in mm
+    x, y = (round(float(own), 9) + 0.0 for own in point)
+    return f"x = {x:.3g}, y = {y:.3g}"
+
+
 def formatted(value) -> str:
     """Format a value for an error message: one line of at most 60 characters."""
     try:

@@ -30,6 +30,7 @@ from seal_mdao.seals.local_states import stress_peak
 from seal_mdao.seals.profiles import ProfileHistory, contacts, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
+from seal_mdao.values import place
 
 END_KEYS = (
     "true_peak_pressure_kPa", "deformed_contact_width_mm", "nominal_peak_pressure_kPa",
@@ -98,6 +99,7 @@ def summarize(result: SealResult) -> dict:
         "n_steps": len(steps),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
         f"reaction_{result.seal.units.force_key}": reaction_tables(result),
+        **({"mean_radius_mm": result.seal.units.radius} if result.seal.body.axisymmetric else {}),
         **dict.fromkeys(END_KEYS),
         "max_penetration_mm": None,
         "min_det_F": lowest_jacobian(result.path),
@@ -134,9 +136,11 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
     """Collect the results of one profile: at its last converged step, and the largest on the path."""
     if not len(history.stage):
         return {}
+    units, force = result.seal.units, history.force[-1]
     return {
-        f"force_{result.seal.units.force_key}": history.force[-1],
-        "force_N_per_100mm": 0.1 * history.force[-1],
+        f"force_{units.force_key}": force,
+        "force_N_per_100mm": units.per_100_mm * force,
+        **({"force_N_per_mm": units.per_mm * force} if units.radius else {}),
         "true_peak_pressure_kPa": history.peak[-1],
         "deformed_contact_width_mm": history.width[-1],
         "nominal_peak_pressure_kPa": history.nominal_peak[-1],
@@ -179,9 +183,11 @@ def measured(result: SealResult) -> dict:
                 for i, name in enumerate(names)
             },
         }
-        place = measure.place(result)
-        if place is not None:
-            found[measure.name]["at_mm"] = place
+        if seal.units.is_ring_force(measure.units):
+            found[measure.name]["N_per_mm"] = seal.units.per_mm * (value[0] if one else value)
+        point = measure.place(result)
+        if point is not None:
+            found[measure.name]["at_mm"] = point
     return {"measures": found}
 
 
@@ -198,6 +204,8 @@ def draw(result: SealResult, out: Path) -> None:
     # buckling modes where stability was lost
     if result.critical_points:
         figures["critical_modes"] = plotting.critical_modes
+    if result.seal.body.axisymmetric:
+        figures["ring_view"] = plotting.ring_view
     for name, figure in figures.items():
         plotting.save(figure(result), out / f"{name}.png")
 
@@ -238,13 +246,16 @@ def report(result: SealResult, summary: dict) -> None:
         f"{int(np.sum(summary['newton_iterations']))} Newton iterations, {summary['step_cuts']} cuts, "
         f"{summary['wall_s']:.2f} s"
     )
+    units = result.seal.units
+    if units.radius:
+        print(f"N/mm: N {units.along}")
     # one line for each profile
     for label, end in summary["profiles"].items():
         if end:
-            units = result.seal.units
             across, up = end[f"force_{units.force_key}"]
+            around = "{:.4g}, {:.4g} N/mm, ".format(*end["force_N_per_mm"]) if units.radius else ""
             print(
-                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), "
+                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), {around}"
                 f"{end['deformed_contact_width_mm']:.2f} mm in contact (nominal "
                 f"{end['nominal_contact_width_mm']:.2f}), up to {end['true_peak_pressure_kPa']:.1f} kPa "
                 f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
@@ -257,29 +268,28 @@ def report(result: SealResult, summary: dict) -> None:
     for name, found in summary["measures"].items():
         if found:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
-            x, y = found.get("at_mm", (None, None))
-            at = "" if x is None else f", at x = {x:.3g}, y = {y:.3g} undeformed"
-            print(f"{name} = {value} {found['unit'] or ''}".rstrip() + at)
+            around = [f"{v:.6g}" for v in np.atleast_1d(found.get("N_per_mm", []))]
+            around = f" ({', '.join(around)} N/mm)" if around else ""
+            at = f", at {place(found['at_mm'])} undeformed" if "at_mm" in found else ""
+            print(f"{name} = {value} {found['unit'] or ''}".rstrip() + around + at)
     if result.converged:
         print_penalty_errors(result)
 
 
 def stress_line(summary: dict) -> str:
     """Describe the largest stress and its place; where it is singular, that elsewhere too."""
-    x, y = summary["largest_von_mises_at_mm"]
     text = (
-        f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at x = {x:.3g}, y = "
-        f"{y:.3g} undeformed"
+        f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at "
+        f"{place(summary['largest_von_mises_at_mm'])} undeformed"
     )
     where = summary["largest_von_mises_singular_at"]
     if where is None:
         return text
     text += f": {where}, where stress is singular and grows under refinement"
     if summary["largest_von_mises_elsewhere_kPa"] is not None:
-        x, y = summary["largest_von_mises_elsewhere_at_mm"]
         text += (
-            f"; elsewhere {summary['largest_von_mises_elsewhere_kPa']:.1f} kPa, at x = {x:.3g}, y = "
-            f"{y:.3g}"
+            f"; elsewhere {summary['largest_von_mises_elsewhere_kPa']:.1f} kPa, at "
+            f"{place(summary['largest_von_mises_elsewhere_at_mm'])}"
         )
     return text
 

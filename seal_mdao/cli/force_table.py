@@ -27,10 +27,12 @@ def force_lines(result) -> list[str]:
     Returns
     -------
     list of str
-        For each load-unload segment a heading with units and at most ``MOST_ROWS`` rows; empty without
-        a moving profile or a converged load step.
+        For each load-unload segment a heading with units and at most ``MOST_ROWS`` rows, those of a
+        ring with the force per mm of circumference beside it; empty without a moving profile or a
+        converged load step.
     """
-    found = []
+    found, units = [], result.seal.units
+    beside = f", the same in N {units.along}" if units.radius else ""
     for contact, history in zip(contacts(result.seal), profile_histories(result), strict=True):
         if not moves(contact.motion) or not len(history.stage):
             continue
@@ -40,7 +42,7 @@ def force_lines(result) -> list[str]:
             stages = ", ".join(map(str, segment.stages))
             found.append(
                 f"{history.label}, stage {stages}: {along}, horizontal and vertical force "
-                f"({result.seal.units.force})"
+                f"({units.force}){beside}"
             )
             # evenly distributed load steps up to the last one
             first, last = segment.steps.start, segment.steps.stop - 1
@@ -50,5 +52,8 @@ def force_lines(result) -> list[str]:
                 bar = "#" * round(BAR * size[step] / max(size.max(), 1e-300))
                 across, up = history.force[step]
                 here = segment.along[step - first]
-                found.append(f"{here:9.3f} {across:10.2f} {up:10.2f}  {bar}".rstrip())
+                numbers = f"{here:9.3f} {across:10.2f} {up:10.2f}"
+                if units.radius:
+                    numbers += f" {units.per_mm * across:10.4f} {units.per_mm * up:10.4f}"
+                found.append(f"{numbers}  {bar}".rstrip())
     return found

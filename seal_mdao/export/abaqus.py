@@ -83,7 +83,9 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
     found += [f"[[fluid]] {own.name!r}: fluid pressure" for own in file.fluids]
     found += [f"[[term]] {own.name!r}" for own in file.terms]
     if file.environment is not None:
-        found.append("[model]: temperature, swelling and axial_stretch: materials as at the reference")
+        found.append(
+            "[model]: temperature, swelling and axial_stretch: materials as at the reference"
+        )
     for contact in (*contacts(seal), *self_contacts(seal)):
         if isinstance(contact.law.friction, FrictionLaw):
             found.append(

@@ -5,7 +5,13 @@ constriction (``seal_mdao.measures.roughness``). Along the contact, whose points
 
     Q = dp / int ds / sigma(p(s)),    sigma = u_c(p)^3 / (12 eta),
 
-is the volume per time and length of seal that a pressure difference dp drives through.
+is the volume per time and length of seal that a pressure difference dp drives through. In a body of
+revolution the slit at s is as wide as the deformed circumference there, c = 2 pi r, and
+
+    Q = dp / int ds / (c sigma)
+
+is the volume per time of the complete ring: across a face seal, where r changes along s, as along a
+shaft, where it does not.
 """
 
 from dataclasses import dataclass, replace
@@ -30,7 +36,7 @@ METRE = 1e3
 
 @dataclass(frozen=True)
 class LeakRate(Measure):
-    """Volume of liquid that leaks under a profile per time and length of seal.
+    """Volume of liquid that leaks under a profile per time and length of seal, of a ring in total.
 
     It is zero where the contact pressure somewhere closes all open paths, and infinite without contact.
     Roughness, viscosity, pressure and, if given, the modulus are scalar parameters with the name of the
@@ -70,7 +76,7 @@ class LeakRate(Measure):
     longest_wavelength: float | None = None
     name: str = "leak_rate"
     units = "mm**3/s/m"
-    text = "Leak rate of a liquid per length of seal."
+    text = "Leak rate of a liquid per length of seal, of a ring in total."
 
     def __post_init__(self):
         for own in ("viscosity", "pressure"):
@@ -136,26 +142,26 @@ class _Leak:
         self.pressed = np.flatnonzero(self.points.value > 0.0)
 
     def evaluate(self, partials) -> float:
-        """Evaluate Q, mm^3/s/m, and add its partial derivatives."""
+        """Evaluate Q, mm^3/s/m or of a ring mm^3/s, and add its partial derivatives."""
         on, own = self.pressed, self.measure
         if on.size == 0:
             return np.inf
-        pressure, length = self.points.value[on], self.where.lengths(self.deformed)[on]
+        pressure, length = self.points.value[on], self._slits()[on]
         modulus = self._moduli()[on]
         height, slope = own.roughness.constriction(pressure / modulus)
         lowest = height.min()
         if lowest == 0.0:
             return 0.0
-        # Q = dp / (12 eta) / sum_i l_i / u_i^3, scaled with the lowest u
+        # Q = dp / (12 eta) / sum_i s_i / u_i^3, scaled with the lowest u
         resistance = length * (lowest / height) ** 3
         fluidity = METRE * own.pressure / (12.0 * own.viscosity * MILLIPASCAL_SECOND)
         rate = fluidity * (MICRON * lowest) ** 3 / resistance.sum()
-        # dQ/dl_i = -Q f_i / l_i, dQ/du_i = 3 Q f_i / u_i with the fractions f_i of the resistance
+        # dQ/ds_i = -Q f_i / s_i, dQ/du_i = 3 Q f_i / u_i with the fractions f_i of the resistance
         fraction = resistance / resistance.sum()
         # u_i = u(p_i / E_i):  p dQ/dp = -E dQ/dE = 3 Q f_i (p / E) u' / u
         by_log = 3.0 * rate * fraction * (pressure / modulus) * slope / height
         self._add_pressures(partials, by_log / pressure)
-        self._add_lengths(partials, -rate * fraction / length)
+        self._add_slits(partials, -rate * fraction / length)
         self._add_moduli(partials, -by_log / modulus)
         # u = rms f(p / (E rms)):  rms dQ/drms = 3 Q - sum_i p_i dQ/dp_i
         on_scalars = {
@@ -179,9 +185,26 @@ class _Leak:
         by_penalty = on_pressure @ points.value / points.penalty
         partials.parameter(points.term.names[0])[0] += by_penalty
 
-    def _add_lengths(self, partials, by_length) -> None:
-        on_deformed, on_length = np.zeros_like(self.deformed), self._every(by_length)
-        self.where.add_length_seeds(self.deformed, on_length[:, None], on_deformed[:, :, None])
+    def _slits(self) -> np.ndarray:
+        """Length of the slit at every contact point, mm, of a ring over its width in m, shape (k,).
+
+        With the deformed length l and area a = c l of a point, s = l / c = l^2 / a.
+        """
+        length = self.where.lengths(self.deformed)
+        return (
+            length if self.where.radial is None else length**2 / self.where.measures(self.deformed)
+        )
+
+    def _add_slits(self, partials, by_slit) -> None:
+        where, deformed = self.where, self.deformed
+        on_deformed, on_length = np.zeros_like(deformed), self._every(by_slit)
+        if where.radial is not None:
+            # ds/dl = 2 l / a,  ds/da = -s / a
+            length, area = where.lengths(deformed), where.measures(deformed)
+            on_area = -on_length * (length / area) ** 2
+            where.add_measure_seeds(deformed, on_area[:, None], on_deformed[:, :, None])
+            on_length = on_length * 2.0 * length / area
+        where.add_length_seeds(deformed, on_length[:, None], on_deformed[:, :, None])
         add_deformed_seeds(partials, 0, on_deformed)
 
     # ---- plane strain modulus of the rubber ----

@@ -94,6 +94,38 @@ class Volume(Measure):
         return value
 
 
+@dataclass(frozen=True)
+class Mass(Measure):
+    """Mass of the undeformed seal per length, of a ring that of the complete ring.
+
+    Every material of the section needs a density.
+    """
+
+    name: str = "mass"
+    units = "g/m"
+    text = "Mass of the seal."
+
+    def check(self, seal):
+        for name, region in zip(seal.materials, seal.definitions[0].regions, strict=True):
+            if region.density is None:
+                where = f"[material.{region.name}]" if region.name else "its table [material.NAME]"
+                raise ValueError(
+                    f"the material {name!r} has no density: write density = 1200 (kg/m3), or its own, "
+                    f"into {where}"
+                )
+
+    def evaluate(self, result, partials):
+        body, total = result.seal.body, 0.0
+        size = cells_volume if body.axisymmetric else cells_area
+        for region in result.term("structure").definition.regions:
+            value, by_particles = size(body.cells[region.at], result.particles)
+            # kg/m^3 mm^2 = 1e-3 g/m,  kg/m^3 mm^3 = 1e-6 g
+            weight = region.density * (1e-6 if body.axisymmetric else 1e-3)
+            total += weight * value
+            partials.particles[0] += weight * by_particles
+        return total
+
+
 def cells_volume(cells: np.ndarray, particles: np.ndarray) -> tuple[float, np.ndarray]:
     """Compute the volume of cells (m, 4) turned about x = 0, and its gradient (n, 2), as
     ``cells_area``."""

@@ -9,6 +9,7 @@ from importlib import import_module
 # public functions by module; imported at first use, so that matplotlib is loaded only for figures
 _FUNCTIONS = {
     "style": "save",
+    "ring_figure": "ring_view",
     "section_figures": "deformed_shapes critical_modes section_cloud design_comparison",
     "travel_curves": "load_deflection contact_width",
     "contact_curves": "contact_pressure gap_profile",

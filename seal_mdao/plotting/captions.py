@@ -7,6 +7,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from datetime import UTC, datetime
 
+from seal_mdao.materials.hardness import ShoreRubber
+from seal_mdao.materials.sponge import GradedSponge
+
 _SEALS: ContextVar[dict[str, str] | None] = ContextVar("seals", default=None)
 _DATE: ContextVar[str] = ContextVar("date", default="")
 
@@ -50,10 +53,16 @@ def name_seal(name: str, materials: Mapping[str, object]) -> None:
 
 def materials_text(materials: Mapping[str, object]) -> str:
     """Describe materials by their names and laws, such as ``foot (Mooney-Rivlin)``."""
-    return ", ".join(
-        "{} ({})".format(name, re.sub(r"(?<=[a-z])(?=[A-Z])", "-", type(law).__name__))
-        for name, law in materials.items()
-    )
+    return ", ".join(f"{name} ({_law_text(law)})" for name, law in materials.items())
+
+
+def _law_text(law) -> str:
+    if isinstance(law, ShoreRubber):
+        return f"{law.shore_a:g} Shore A"
+    if isinstance(law, GradedSponge):
+        return "sponge of ASTM D1056"
+    # MooneyRivlin: Mooney-Rivlin
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", type(law).__name__)
 
 
 def caption(most: int = 200) -> str:

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from seal_mdao.measures.load_deflection import ForceTarget
 from seal_mdao.plotting.style import BLUE, GREY, SKY, VERMILION, styled, subplots
+from seal_mdao.plotting.travel_curves import add_length_axis
 from seal_mdao.seals.result import SealResult
 
 BAR = {"linestyle": "none", "color": VERMILION, "markersize": 9.0, "zorder": 5}
@@ -38,6 +39,8 @@ def force_targets(results: Mapping[str, SealResult], targets: Sequence[ForceTarg
             last = number == len(results)
             axes.plot(*own.reaction.curve(result), color=BLUE if last else GREY, label=name)
         _draw_target(axes, own)
+        if result.seal.units.is_ring_force(own.reaction.units):
+            add_length_axis(axes, result.seal.units)
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set_xlim(left=0.0)
         axes.set_xlabel("travel (mm)")

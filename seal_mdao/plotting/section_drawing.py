@@ -1,6 +1,7 @@
 """Plotting of one section: stress contours, outline, rigid profiles, fixed boundaries."""
 
 import itertools
+from copy import copy
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D
 from matplotlib.tri import Triangulation
 from shapely import MultiPolygon, Polygon, area, polygons, union_all
 
@@ -33,8 +35,11 @@ DEPTH, FIXED_DEPTH = 0.16, 0.04
 SMOOTH = 0.004
 """Distance of points along curved profiles, over the size of the section."""
 HATCHED = {"edgecolor": GREY, "linewidth": 0.0, "zorder": 1}
-NARROW = 0.6
-"""Inner radius of a ring over the size of its section, below which pictures show the axis."""
+NARROW = 1.0
+"""Inner radius of a ring over the size of its section, up to which pictures show both halves: the
+section keeps a quarter of their width."""
+VEIL = 0.55
+"""Opacity of the white over the mirror image."""
 PANEL_AREA = 16.0
 """Area of the panel of one shape, square inches; its aspect ratio is that of the section."""
 
@@ -215,8 +220,6 @@ def draw_fixed(axes: Axes, result: SealResult, fraction: float = 0.0) -> None:
 def draw_surroundings(axes: Axes, result: SealResult, fraction: float) -> None:
     """Plot the fixed boundary, and all rigid profiles after ``fraction`` nominal steps, hatched."""
     draw_fixed(axes, result, fraction)
-    if result.seal.body.axisymmetric:
-        axes.axvline(0.0, color="black", linewidth=0.8, linestyle="-.", zorder=1)
     for contact in contacts(result.seal):
         body = profile_body(result, contact, fraction)
         _fill(axes, outlines(body), facecolor=LIGHT_GREY, hatch="////", **HATCHED)
@@ -283,8 +286,17 @@ def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
         )  # fmt: skip
 
 
+def near_axis(seal) -> bool:
+    """Whether pictures of a seal show both halves of a ring, whose inner radius is at most ``NARROW``
+    times the size of its section."""
+    particles = seal.nominal_particles
+    size = np.ptp(particles, axis=0).max()
+    return bool(seal.body.axisymmetric and particles[:, 0].min() <= NARROW * size)
+
+
 def frame(axes: Axes, low, high, seal=None) -> None:
-    """Set equal aspect, window and axis labels; x is the radius of a ``seal`` that is a ring."""
+    """Set equal aspect, window and axis labels, when all else is drawn; x is the radius of a ``seal``
+    that is a ring, with its axis and, near to it, the mirror image in a lighter tone."""
     axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     ring = seal is not None and seal.body.axisymmetric
     across = "radius" if ring else "x"
@@ -292,15 +304,34 @@ def frame(axes: Axes, low, high, seal=None) -> None:
     axes.grid(False)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    if ring and near_axis(seal):
+        _add_mirror_image(axes, low, high)
+        axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
+    if ring:
+        axes.axvline(0.0, color="black", linewidth=0.8, linestyle="-.", zorder=8)
+
+
+def _add_mirror_image(axes: Axes, low, high) -> None:
+    """Copy all that is drawn at x > 0 to the other side of the axis, below a veil."""
+    (_, bottom), (right, top) = low, high
+    half = Path([(0.0, bottom), (right, bottom), (right, top), (0.0, top)])
+    mirrored = Affine2D().scale(-1.0, 1.0) + axes.transData
+    for artist in (*axes.patches, *axes.collections, *axes.lines):
+        # profiles may extend across the axis
+        artist.set_clip_path(half, axes.transData)
+        image = copy(artist)
+        image.set(transform=mirrored, label="_mirror")
+        image.set_clip_path(half, mirrored)
+        axes.add_artist(image)
+    axes.axvspan(low[0], 0.0, color="white", alpha=VEIL, linewidth=0.0, zorder=7)
 
 
 def window(shapes, margin: float = 0.08, seal=None) -> tuple[np.ndarray, np.ndarray]:
     """Compute lower left and upper right corner around all ``shapes`` (n, 2), with a margin as a
-    fraction of the larger side; of a ``seal`` that is a narrow ring, down to its axis."""
+    fraction of the larger side; of a ``seal`` that is ``near_axis`` with their mirror image."""
     points = np.vstack([np.reshape(shape, (-1, 2)) for shape in shapes])
-    size = np.ptp(points, axis=0).max()
-    if seal is not None and seal.body.axisymmetric and points[:, 0].min() < NARROW * size:
-        points = np.vstack([points, [0.0, points[0, 1]]])
+    if seal is not None and near_axis(seal):
+        points = np.vstack([points, points * [-1.0, 1.0]])
     border = margin * np.ptp(points, axis=0).max()
     return points.min(axis=0) - border, points.max(axis=0) + border
 

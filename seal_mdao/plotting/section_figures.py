@@ -69,7 +69,8 @@ def section_cloud(result: SealResult) -> Figure:
         np.arange(len(particles)), [i for own in moved_edges(seal) for i in own.particles]
     )
     fixed = seal.body.fixed.any(axis=1) & ~moved
-    axes.plot(*particles[fixed].T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
+    if fixed.any():
+        axes.plot(*particles[fixed].T, "s", color="black", markersize=3.5, zorder=5, label="fixed")
     if moved.any():
         marker = {"color": "black", "markerfacecolor": "white", "markersize": 3.5}
         axes.plot(*particles[moved].T, "s", **marker, zorder=5, label="moved")
@@ -83,10 +84,15 @@ def section_cloud(result: SealResult) -> Figure:
 
 
 def _name_profiles(axes, result, low, high) -> None:
-    """Write the name of each profile inside its visible part."""
+    """Write the name of each profile inside its visible part, at a ring on the right of the axis."""
+    left = max(low[0], 0.0) if result.seal.body.axisymmetric else low[0]
     for contact in contacts(result.seal):
         # buffer(0) makes the polygon valid for the intersection with the window
-        body = section.profile_body(result, contact, 0.0).buffer(0.0).intersection(box(*low, *high))
+        body = (
+            section.profile_body(result, contact, 0.0)
+            .buffer(0.0)
+            .intersection(box(left, low[1], *high))
+        )
         if not body.is_empty:
             axes.text(*body.representative_point().coords[0], contact.label, **NAME)
 

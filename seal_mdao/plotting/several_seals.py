@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import CYCLE, styled, subplots
+from seal_mdao.plotting.travel_curves import add_length_axis
 from seal_mdao.seals.profiles import arc_length, leading_contact, profile_histories, true_pressure
 from seal_mdao.seals.result import SealResult
 
@@ -54,6 +55,10 @@ def draw_forces(axes, results) -> None:
     units = dict.fromkeys(result.seal.units.force for result in results.values())
     axes.set_ylabel(f"force ({' or '.join(units)})")
     axes.set_ylim(bottom=0.0)
+    # rings of one circumference
+    ring, *others = {result.seal.units for result in results.values()}
+    if ring.radius is not None and not others:
+        add_length_axis(axes, ring)
 
 
 def draw_pressures(axes, results) -> None:

@@ -15,16 +15,14 @@ from seal_mdao.seals.result import SealResult
 
 WIDTHS = (6.6, 9.0, 11.0)
 """Widths of figures with one, two or three and more columns, inches."""
-UNIT_SEAL = 0.1
-"""Reference length of seal for forces in N per 100 mm, m."""
 COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
 
 
 @styled
 def load_deflection(result: SealResult) -> Figure:
     """Plot compression-load-deflection curves: force on every profile against its travel, in N/m on
-    the left axis, in N per 100 mm of seal on the right one; and below, where the seal has cavities, the
-    excess pressure of their air.
+    the left axis, in N per 100 mm of seal on the right one, of a ring in N and in N per mm of its
+    circumference; and below, where the seal has cavities, the excess pressure of their air.
 
     Loading and unloading along one line share a panel.
 
@@ -61,12 +59,18 @@ def load_deflection(result: SealResult) -> Figure:
             )  # fmt: skip
         _mark_critical(axes, result, segment, travel, force)
         if last:
-            right = axes.secondary_yaxis(
-                "right", functions=(lambda f: f * UNIT_SEAL, lambda f: f / UNIT_SEAL)
-            )
-            right.set_ylabel("N per 100 mm of seal")
+            add_length_axis(axes, result.seal.units)
     panels[0][2].legend(loc="best", title="component")
     return figure
+
+
+def add_length_axis(axes, units) -> None:
+    """Add an axis on the right for forces of a seal with ``ResultUnits`` per length along it."""
+    factor, text = units.per_100_mm, "N per 100 mm of seal"
+    if units.radius is not None:
+        factor, text = units.per_mm, f"N {units.along}".replace(" at", "\nat")
+    right = axes.secondary_yaxis("right", functions=(lambda f: f * factor, lambda f: f / factor))
+    right.set_ylabel(text)
 
 
 def _draw_air(panels, cavities) -> None:

@@ -213,16 +213,19 @@ def agrees(recorded: np.ndarray, value: float, name: str, result: SealResult) ->
 
 def measures(result: SealResult) -> dict[str, tuple[str, float]]:
     """Return unit and value of the report's figures of a design, by name; NaN where not known."""
-    found = {}
+    found, units = {}, result.seal.units
     # the seal's own measures that are single numbers; a path that was not completed has none
     for m in result.measures():
         if not is_empty(m, result.seal) and m.size(result.seal) == 1:
             value = float(result.value(m)[0]) if result.converged else math.nan
-            found[label(m.name)] = shown_unit(result.seal.units.of(m.units)), value
+            found[label(m.name)] = shown_unit(units.of(m.units)), value
+            if units.is_ring_force(m.units):
+                found[f"{label(m.name)}, {units.along}"] = "N/mm", units.per_mm * value
             # where it is taken, if at one point
             place = m.place(result)
             if place is not None:
-                at = dict(zip(("x", "y"), place.tolist(), strict=True))
+                # what rounding leaves of a zero is shown as 0
+                at = dict(zip(("x", "y"), np.round(place, 9).tolist(), strict=True))
                 found |= {f"{label(m.name)}, at {own}": ("mm", at[own]) for own in at}
     profiles = contacts(result.seal)
     for contact, history in zip(profiles, profile_histories(result), strict=True):
@@ -257,6 +260,16 @@ def _at_profile(result: SealResult, contact, history) -> dict:
     touching = last.state != OPEN
     # force over deformed and over undeformed length
     true, nominal = true_pressure(result, contact), nominal_pressure(contact, last)
+    units, (across, up) = result.seal.units, map(float, history.force[-1])
+    forces = {
+        "vertical force on the profile": (units.force, up),
+        "horizontal force on the profile": (units.force, across),
+    }
+    if units.radius:
+        forces |= {
+            f"{name}, {units.along}": ("N/mm", units.per_mm * force)
+            for name, (_, force) in forces.items()
+        }
     return {
         "largest gap between contacts": ("mm", largest_gap(result, contact.label).size),
         "contact points in contact": ("", int(touching.sum())),
@@ -266,9 +279,7 @@ def _at_profile(result: SealResult, contact, history) -> dict:
         "highest contact pressure, true (force over deformed length)": ("kPa", float(true.max())),
         "highest contact pressure, nominal (over undeformed length)": ("kPa", float(nominal.max())),
         "deepest penetration": ("mm", max(0.0, -float(last.gap.min()))),
-        "vertical force on the profile": (result.seal.units.force, float(history.force[-1, 1])),
-        "horizontal force on the profile": (result.seal.units.force, float(history.force[-1, 0])),
-    }
+    } | forces
 
 
 def patches(touching: np.ndarray) -> int:

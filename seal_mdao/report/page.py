@@ -273,8 +273,11 @@ def key_figures(
             gaps.append((f"largest gap{of}", f"{short(new, 2)} mm", before))
             old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
             change = f"{tables.percent(new / old)} of its start" if old else ""
-            unit = seal.ends[1].seal.units.force
-            forces.append((f"vertical force{of}", f"{short(new, 3)} {unit}", change))
+            units = seal.ends[1].seal.units
+            if units.radius:
+                around = f"{short(units.per_mm * new, 3)} N {units.along}"
+                change = f"{around}; {change}" if change else around
+            forces.append((f"vertical force{of}", f"{short(new, 3)} {units.force}", change))
     kind, done = "iterations" if history.major else "evaluations", history.evaluations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])

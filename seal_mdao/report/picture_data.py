@@ -81,12 +81,16 @@ class Pictures:
     def as_data(self) -> dict:
         """Return the pictures in types of JSON."""
         start = self._ends[0]
+        seal = start.result.seal
         return {
             "quads": start.quads.tolist(),
             "loops": [loop.tolist() for loop in start.loops],
             "length": self._length,
             "regions": start.region.tolist(),
-            "scales": _scales(start.result.seal, self._tops),
+            "scales": _scales(seal, self._tops),
+            "ring": seal.body.axisymmetric,
+            "mirrored": section.near_axis(seal),
+            "force": {"unit": seal.units.force, "per_mm": seal.units.per_mm},
             "low": self._low.tolist(),
             "high": self._high.tolist(),
             "held": [_rounded(line) for line in section.fixed_lines(start.result)],

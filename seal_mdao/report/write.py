@@ -4,10 +4,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from seal_mdao import plotting
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.recorded_seals import RecordedSeal
+from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.page import ShownSeal, render
 from seal_mdao.report.picture_data import evenly_spread
 from seal_mdao.seals.result import SealResult, frozen_measures
@@ -61,12 +63,24 @@ def write_report(
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, cache)) for seal in seals]
+    further += "".join(ring_section(number, own) for number, own in enumerate(shown))
     text = render(history, cases.name, shown, numbers, further, figures, notes)
     # the report is written beside the recorder file by default
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(text, encoding="utf-8")
     return out
+
+
+def ring_section(number: int, seal: ShownSeal) -> str:
+    """Show the last design of a ring in space, as a section of the report; empty in plane strain."""
+    _, last = seal.ends
+    if not last.seal.body.axisymmetric or not len(last.path.nominal_steps):
+        return ""
+    note = "Last design at the end of the path, with the von Mises stress on the cuts."
+    return figure_section(
+        plotting.ring_view(last), f"ring-{number}", f"Deformed ring: {seal.name}", note
+    )
 
 
 def analyze_points(

@@ -24,6 +24,7 @@ from seal_mdao.seals.local_states import (
 )
 from seal_mdao.seals.overlap import crossings, overlap_depths
 from seal_mdao.seals.samples import Samples
+from seal_mdao.values import place as _at
 
 SLIGHT, DEEP = 0.01, 0.1
 """Fractions of the wall's thickness above which an overlap is reported, and is not admissible."""
@@ -74,10 +75,6 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
-
-
-def _at(point) -> str:
-    return f"x = {point[0]:.3g}, y = {point[1]:.3g}"
 
 
 def _forces(step) -> float:

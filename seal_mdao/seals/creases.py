@@ -9,6 +9,7 @@ coarse particles and a linear basis hide them, finer particles and a quadratic b
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.samples import Samples
@@ -34,12 +35,12 @@ def creases(samples: Samples) -> str:
     worst = int(stretch.argmin())
     if not stretch[worst] < CREASES:
         return ""
-    x, y = samples.undeformed[chains[worst, chains.shape[1] // 2]]
+    point = samples.undeformed[chains[worst, chains.shape[1] // 2]]
     return (
-        f"the free surface is compressed to {stretch[worst]:.2g} of its length where x = {x:.3g}, "
-        f"y = {y:.3g} undeformed: below {CREASES:.2g} rubber forms creases, which coarse particles do "
-        "not show, so finer ones may give another force or fail; use a larger radius there, or less "
-        "travel"
+        f"the free surface is compressed to {stretch[worst]:.2g} of its length where "
+        f"{values.place(point)} undeformed: below {CREASES:.2g} rubber forms creases, which coarse "
+        "particles do not show, so finer ones may give another force or fail; use a larger radius "
+        "there, or less travel"
     )
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao import values
 from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.measures.gap import Gap
 from seal_mdao.measures.measure import Derived, Measure
@@ -83,11 +84,11 @@ def _unmeasured(result, measure) -> str:
     points, largest = base.points, largest_gap(result, base.profile)
     if largest.size <= NEGLIGIBLE or largest.point in points:
         return ""
-    x, y = largest.place
     gap = result.response(base.profile).gap[np.array(points, int)]
     return (
-        f"the largest gap to {base.profile!r}, {largest.size:.3g} mm at x = {x:.3g}, y = {y:.3g} of "
-        f"the undeformed section, lies outside of the points at which {measure.name} is measured, "
-        f"where it is {gap.max(initial=0.0):.3g} mm at most: the opening has moved away from them; "
-        "minimise a measure of the gap wherever it opens (--gap-integral, gap_square_integral)"
+        f"the largest gap to {base.profile!r}, {largest.size:.3g} mm at "
+        f"{values.place(largest.place)} of the undeformed section, lies outside of the points at which "
+        f"{measure.name} is measured, where it is {gap.max(initial=0.0):.3g} mm at most: the opening "
+        "has moved away from them; minimise a measure of the gap wherever it opens (--gap-integral, "
+        "gap_square_integral)"
     )

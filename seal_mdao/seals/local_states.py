@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from seal_mdao import values
 from seal_mdao.measures.singular_points import FIXED_END, singular_points
 from seal_mdao.seals.samples import Samples
 from seal_mdao.structure.particle_stress import particle_stress
@@ -99,7 +100,7 @@ def largest_stretch(samples: Samples) -> Largest:
 
 
 def _where(point) -> str:
-    return f"where x = {point[0]:.3g}, y = {point[1]:.3g} undeformed"
+    return f"where {values.place(point)} undeformed"
 
 
 class StressPeak(NamedTuple):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-PER_METRE = {"N/m": "N", "mJ/m": "mJ"}
+PER_METRE = {"N/m": "N", "mJ/m": "mJ", "g/m": "g", "mm**3/s/m": "mm**3/s"}
 """Units of results per metre of depth, and of the same results of a ring."""
 
 
@@ -17,11 +17,29 @@ class ResultUnits(NamedTuple):
         Units in the notation of OpenMDAO.
     per_100_mm : float
         Factor from a force to N per 100 mm of the seal, of a ring along its mean circumference.
+    radius : float or None
+        Radius at which the circumference of a ring is taken: the mean one of its undeformed particles,
+        mm; None in plane strain.
     """
 
     force: str
     energy: str
     per_100_mm: float
+    radius: float | None = None
+
+    @property
+    def per_mm(self) -> float | None:
+        """Factor from a force on a ring to N per mm of its circumference; None in plane strain."""
+        return None if self.radius is None else 0.01 * self.per_100_mm
+
+    def is_ring_force(self, units: str | None) -> bool:
+        """Whether a measure with ``units`` of plane strain is the force on a ring here."""
+        return self.radius is not None and units == PLANE.force
+
+    @property
+    def along(self) -> str:
+        """Text of the length to which ``per_mm`` refers."""
+        return f"per mm of circumference at the mean radius {self.radius:.4g} mm"
 
     def of(self, units: str | None) -> str | None:
         """Return the units of a measure, which knows those of plane strain."""
@@ -45,6 +63,6 @@ def result_units(body) -> ResultUnits:
     """Return the units of the results of a ``Body``."""
     if not body.axisymmetric:
         return PLANE
-    # mean circumference 2 pi R of the boundary and inner particles, mm
-    circumference = 2.0 * np.pi * float(body.nominal[:, 0].mean())
-    return ResultUnits("N", "mJ", 100.0 / circumference)
+    # mean radius R of the boundary and inner particles, circumference 2 pi R
+    radius = float(body.nominal[:, 0].mean())
+    return ResultUnits("N", "mJ", 100.0 / (2.0 * np.pi * radius), radius)

@@ -42,12 +42,15 @@ class Region(NamedTuple):
         Put before the names of the material's constants.
     growth : Growth
         By heat and swelling, where the body has an environment.
+    density : float or None
+        kg/m^3; the measure ``mass`` alone needs it.
     """
 
     material: object
     cells: np.ndarray | None = None
     prefix: str = ""
     growth: Growth = Growth()
+    density: float | None = None
 
     @property
     def name(self) -> str:

@@ -555,6 +555,9 @@ def test_largest_stress_names_a_singular_point():
     }  # fmt: skip
     plain = "largest von Mises stress 9.0 kPa, at x = 1, y = 2 undeformed"
     assert stress_line(summary) == plain
+    # what rounding leaves of a zero
+    noisy = summary | {"largest_von_mises_at_mm": [-7e-15, 2.0]}
+    assert stress_line(noisy) == plain.replace("x = 1", "x = 0")
     assert stress_line(summary | {"largest_von_mises_singular_at": "a re-entrant corner"}) == (
         f"{plain}: a re-entrant corner, where stress is singular and grows under refinement; "
         "elsewhere 5.0 kPa, at x = 3, y = 4"

@@ -41,13 +41,22 @@ profile = "plate"
 type = "friction_work"
 [[measure]]
 type = "volume"
+[[measure]]
+type = "mass"
+[[measure]]
+type = "leak_rate"
+rms_roughness = 20.0
+roll_off_wavelength = 500.0
+shortest_wavelength = 10.0
+pressure = 30.0
+modulus = 3000.0
 """
 NAMES = ("plate_friction", "c10", "bulk_modulus", "plate_normal_penalty")
 
 
 def built(folder, text):
     path = folder / "ring.toml"
-    path.write_text(text)
+    path.write_text(text.replace("\n[section]", "\ndensity = 1200.0\n[section]"))
     return replace(sm.build_seal(path), newton=sm.NewtonOptions(tolerance=1e-12))
 
 
@@ -183,6 +192,12 @@ def test_contact_at_particles_has_an_error_that_falls(tmp_path):
             result.path.force("plate", result.end)[1] / (-1e-3 * np.pi * 4.0 * stress) - 1
         )
     assert abs(errors[1]) < abs(errors[0]) < 1e-3
+
+
+def test_mass_of_a_ring_is_in_grams(seal, result):
+    # 1200 kg/m^3 = 1.2e-3 g/mm^3, 2 pi R A with R = 4 mm, A = 4 mm^2
+    assert result.value("mass")[0] == pytest.approx(1.2e-3 * 32.0 * np.pi, rel=1e-12)
+    assert seal.units.of(result.measure("mass").units) == "g"
 
 
 def test_volume_is_that_of_pappus(seal, result):

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from seal_mdao import plotting
+from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
-from seal_mdao.plotting.captions import caption, captioned, name_seal
+from seal_mdao.materials.sponge import graded_sponge
+from seal_mdao.plotting.captions import caption, captioned, materials_text, name_seal
 from seal_mdao.plotting.style import add_caption, subplots
 from seal_mdao.report.embedded_figure import embedded
 
@@ -28,6 +30,11 @@ def test_a_caption_has_name_materials_and_date():
         assert len(short) == 30
         assert short.endswith("… | 2023-11-14")
     assert caption() == ""
+
+
+def test_rubbers_by_hardness_and_sponges_by_grade_are_named_as_users_do():
+    laws = {"lip": ShoreRubber(70.0), "bulb": graded_sponge("2A2")}
+    assert materials_text(laws) == "lip (70 Shore A), bulb (sponge of ASTM D1056)"
 
 
 def test_stored_values_have_their_own_date():

@@ -87,11 +87,6 @@ def test_a_section_that_touches_the_axis_at_a_point_is_refused(tmp_path):
     ("table", "words"),
     [
         ('[[measure]]\ntype = "reaction"\nlength = 100.0\n', "length is for kinematics"),
-        (
-            '[[measure]]\ntype = "leak_rate"\nprofile = "plate"\nrms_roughness = 5.0\n'
-            "roll_off_wavelength = 500.0\nshortest_wavelength = 1.0\npressure = 10.0\n",
-            "leak_rate",
-        ),
         ('[[design]]\nedges = ["bore"]\nparameters = 5\nbound = 0.1\n', "lies on the axis"),
     ],
 )
@@ -130,7 +125,25 @@ def test_forces_of_a_ring_are_in_newton(tmp_path, capsys):
     assert summary["measures"]["reaction"]["unit"] == "N"
     assert summary["measures"]["strain_energy"]["unit"] == "mJ"
     assert summary["measures"]["reaction"]["value"] == pytest.approx(end[1], rel=1e-12)
-    assert f"{end[1]:.2f} N (x, y)" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert f"{end[1]:.2f} N (x, y)" in shown
+    # per mm of the circumference at the mean radius of the particles, about 4 mm
+    around = 2.0 * np.pi * summary["mean_radius_mm"]
+    assert summary["mean_radius_mm"] == pytest.approx(4.0, rel=2e-2)
+    assert (
+        f"N per mm of circumference at the mean radius {summary['mean_radius_mm']:.4g} mm" in shown
+    )
+    assert f", {end[1] / around:.4g} N/mm, " in shown
+    assert f" N ({end[1] / around:.6g} N/mm)" in shown
+    # last row of the table: travel, force, force per mm, bar
+    (row,) = (line for line in shown.splitlines() if line.split()[:1] == ["0.539"])
+    assert row.split()[4] == f"{end[1] / around:.4f}"
+    at = summary["profiles"]["plate"]
+    assert at["force_N_per_mm"] == pytest.approx(np.array(end) / around, rel=1e-12)
+    assert at["force_N_per_100mm"] == pytest.approx(100.0 * np.array(end) / around, rel=1e-12)
+    assert summary["measures"]["reaction"]["N_per_mm"] == pytest.approx(end[1] / around, rel=1e-12)
+    assert "N_per_mm" not in summary["measures"]["strain_energy"]
+    assert (tmp_path / "out" / "ring_view.png").exists()
     header, *rows = (tmp_path / "out" / "curve_plate.csv").read_text().splitlines()
     row = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
     assert row["Fy_N"] == pytest.approx(end[1], rel=1e-9)

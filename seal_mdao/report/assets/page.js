@@ -47,6 +47,12 @@ function slider(name, count, first, show, pause) {
 // The numbers of a picture, unpacked.
 const frame = ({ points, touching, marks, poses, peak }, profiles) => ({ points: unpack(points), touching: unpack(touching), marks, poses, peak, profiles });
 
+// A force with its unit, of a ring per length of circumference too.
+function force(value) {
+  const { unit, per_mm: factor } = shapes.force;
+  return `${readable(value, 3)} ${unit}${factor ? ` (${readable(factor * value, 3)} N/mm)` : ""}`;
+}
+
 function closing() {
   const { paths } = shapes, names = ["start", "end"], [start, end] = paths;
   const views = names.map((name) => new ShapeView(place(`${name}-shape`), shapes));
@@ -54,13 +60,14 @@ function closing() {
   const longest = start.frames.length >= end.frames.length ? start : end;
   let curves = null, at = longest.frames.length - 1, profile = 0;
   stressScale();
-  units([["pressure", "kPa"], ["gap", "mm"], ["reaction", "N/m"]]);
+  units([["pressure", "kPa"], ["gap", "mm"], ["reaction", shapes.force.unit]]);
   const show = (index) => {
     at = index;
     paths.forEach((path, i) => {
       const k = Math.min(index, path.frames.length - 1), held = k < index ? " (path ends here)" : "", own = path.curves[profile];
-      const touching = own && own.arc.length ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact, ${readable(own.reaction[k][1], 3)} N/m` : own ? `, ${readable(own.reaction[k][1], 3)} N/m` : "";
-      const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${held}`;
+      const touching = own && own.arc.length ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact` : "";
+      const up = own ? `, ${force(own.reaction[k][1])}` : "";
+      const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${up}${held}`;
       views[i].draw(frames[i][k], null, `Deformed section of the ${names[i]} design with von Mises stress at ${minus(path.captions[k])}: ${text}`);
       place(`${names[i]}-text`).textContent = text;
     });
@@ -96,7 +103,7 @@ function profileCurves(both, longest) {
     both.forEach((own, i) => forces.push({ name: `${word}, ${names[i]}`, x: i === longest ? undefined : own.along, values: own.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
   }
   const { name, words, along: values } = both[longest];
-  const reaction = new LineChart(place("reaction"), { name: `Force on ${name}`, x: { label: words, values }, y: { label: "N/m" }, series: forces });
+  const reaction = new LineChart(place("reaction"), { name: `Force on ${name}`, x: { label: words, values }, y: { label: shapes.force.unit }, series: forces });
   return {
     show(index) {
       if (contact) contact(index);

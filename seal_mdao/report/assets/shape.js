@@ -40,6 +40,14 @@ class ShapeView {
   draw(frame, ghost, name) {
     this.last = [frame, ghost, name];
     this.prepare();
+    if (this.shapes.mirrored) this.drawHalves(frame, ghost);
+    else this.drawSection(frame, ghost);
+    if (!frame.boundary) this.drawWatched(frame.points);
+    if (this.shapes.ring) this.drawAxis();
+    this.canvas.setAttribute("aria-label", name);
+  }
+
+  drawSection(frame, ghost) {
     this.drawProfiles(frame);
     this.drawHeld();
     if (ghost) this.outline(ghost, "--ghost", 1.2, [5, 4]);
@@ -47,8 +55,46 @@ class ShapeView {
     else this.drawStress(frame.points);
     this.outline(frame, "--outline", frame.boundary ? 1.8 : 1);
     if (frame.marks) this.drawContact(frame);
-    if (!frame.boundary) this.drawWatched(frame.points);
-    this.canvas.setAttribute("aria-label", name);
+  }
+
+  // A ring near its axis: first the mirror image, below a veil.
+  drawHalves(frame, ghost) {
+    const { context, canvas: { width, height } } = this, axis = this.px(0);
+    for (const mirrored of [true, false]) {
+      context.save();
+      if (mirrored) {
+        context.translate(2 * axis, 0);
+        context.scale(-1, 1);
+      }
+      context.beginPath();
+      context.rect(axis, 0, width, height);
+      context.clip();
+      this.drawSection(frame, ghost);
+      context.globalAlpha = 0.55;
+      context.fillStyle = this.color("--panel");
+      if (mirrored) context.fillRect(axis, 0, width, height);
+      context.restore();
+    }
+  }
+
+  // The axis of a ring, or how far it is from the left side of the picture.
+  drawAxis() {
+    const { context } = this, axis = this.px(0), height = this.canvas.clientHeight;
+    context.strokeStyle = context.fillStyle = this.color("--ink");
+    if (axis < 0) {
+      context.font = "12px system-ui, sans-serif";
+      context.textAlign = "left";
+      context.textBaseline = "bottom";
+      context.fillText(`← axis, ${readable(this.shapes.low[0], 3)} mm`, 4, height - 3);
+      return;
+    }
+    context.lineWidth = 1;
+    context.setLineDash([9, 3, 2, 3]);
+    context.beginPath();
+    context.moveTo(axis, 0);
+    context.lineTo(axis, height);
+    context.stroke();
+    context.setLineDash([]);
   }
 
   path(points, more = false) {

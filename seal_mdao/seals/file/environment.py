@@ -13,7 +13,7 @@ from seal_mdao.values import formatted
 def environment_of(file) -> Environment | None:
     """Make the environment of the body of a ``SealFile``, or None where nothing changes."""
     model = file.model
-    swollen = any(own.swelling is not None for own in file.heating.values())
+    swollen = any(own.swelling is not None for own in file.material_tables.values())
     if model.axial_stretch is None and model.temperature is None and not swollen:
         return None
     ramps = (
@@ -25,7 +25,7 @@ def environment_of(file) -> Environment | None:
 
 def growth_of(file, name: str) -> Growth:
     """Make the growth of the material ``name`` of a ``SealFile``."""
-    own, factors = file.heating[name], None
+    own, factors = file.material_tables[name], None
     if own.modulus_over_temperature == ENTROPIC:
         # m = T / T_0 of absolute temperatures, a line through two points
         start = file.model.reference_temperature
@@ -98,7 +98,7 @@ def _check_axial_stretch(file) -> None:
 def _check_temperature(file) -> None:
     if file.model.temperature is None:
         return
-    if not any(own.changes_with_temperature for own in file.heating.values()):
+    if not any(own.changes_with_temperature for own in file.material_tables.values()):
         raise SealFileError(
             f"[model]: temperature = {formatted(file.model.temperature)}, but no material has an "
             "expansion or a modulus_over_temperature; rubber has an expansion of about 2e-4 (1/K)"
@@ -107,7 +107,7 @@ def _check_temperature(file) -> None:
 
 def _check_factors(file, name: str) -> None:
     """Refuse a table of moduli that does not reach the temperatures of the path."""
-    table = file.heating[name].modulus_over_temperature
+    table = file.material_tables[name].modulus_over_temperature
     if file.model.temperature is None or table in (None, ENTROPIC):
         return
     at = [temperature for temperature, _ in table]

@@ -20,7 +20,7 @@ from seal_mdao.seals.file.edge_tables import (
 )
 from seal_mdao.seals.file.environment import environment_of, growth_of
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
-from seal_mdao.seals.file.material_table import HeatedTable, Materials
+from seal_mdao.seals.file.material_table import Materials, MaterialTable
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import AnyMeasure
 from seal_mdao.seals.file.model_table import AXISYMMETRIC, RADIAL, ModelTable, axis_edges
@@ -73,8 +73,8 @@ class SealFile:
     ----------
     materials : dict of str to Isotropic
         Laws with their constants, given or fitted.
-    heating : dict of str to HeatedTable
-        What heat and liquids do to the materials.
+    material_tables : dict of str to MaterialTable
+        Their tables as written, with density and what heat and liquids do to them.
     measures : tuple of MeasureTable
         Those of the file, and those that ``[optimize]`` names by their type.
     step_tolerance : float or None
@@ -102,7 +102,7 @@ class SealFile:
     moved: tuple[MovedTable, ...] = ()
     tolerance: ToleranceTable | None = None
     model: ModelTable = MODEL
-    heating: dict[str, HeatedTable] = field(default_factory=dict)
+    material_tables: dict[str, MaterialTable] = field(default_factory=dict)
 
     @property
     def axisymmetric(self) -> bool:
@@ -182,11 +182,13 @@ class SealFile:
         rest = SectionRegion(
             self.materials[section.material], prefix, lines=section.parting,
             growth=growth_of(self, section.material),
+            density=self.material_tables[section.material].density,
         )  # fmt: skip
         return [rest] + [
             SectionRegion(
                 self.materials[own.material], f"{own.material}_", own.at,
                 () if own.line is None else (own.line,), growth_of(self, own.material),
+                self.material_tables[own.material].density,
             )
             for own in section.regions
         ]  # fmt: skip

@@ -71,9 +71,12 @@ Factors = Annotated[
 
 
 @table(kw_only=True)
-class HeatedTable(Table):
-    """What heat and liquids do to a material."""
+class MaterialTable(Table):
+    """Keys of every material beside its law: density, what heat and liquids do to it."""
 
+    density: number("kg/m3", above=0.0, most=1e5) | None = key(
+        "mass per volume, which the measure `mass` needs", None
+    )
     expansion: number("1/K", least=0.0, most=0.01) = key("linear coefficient of expansion", 0.0)
     modulus_over_temperature: Factors | None = key(
         "factor of all moduli but the bulk modulus, linear between the temperatures of a table; "
@@ -91,7 +94,7 @@ class HeatedTable(Table):
 
 
 @table(kw_only=True)
-class LawTable(HeatedTable):
+class LawTable(MaterialTable):
     """A rubber by the name of its law."""
 
     law: one_of(*LAWS) = key("name of the law: one of these, or of an extension")
@@ -208,7 +211,7 @@ AnyLaw = Annotated[
 
 
 @table(kw_only=True)
-class ShoreTable(HeatedTable):
+class ShoreTable(MaterialTable):
     """A dense rubber by its hardness: neo-Hookean, with Young's modulus by Gent's relation (1958)."""
 
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
@@ -222,7 +225,7 @@ class ShoreTable(HeatedTable):
 
 
 @table(kw_only=True)
-class SpongeTable(HeatedTable):
+class SpongeTable(MaterialTable):
     """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
     sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")

@@ -18,7 +18,7 @@ from seal_mdao.measures.gap import (
     OpenGapSquareSum,
 )
 from seal_mdao.measures.measure import Measure
-from seal_mdao.measures.section_shape import CavityArea, Displacement, SectionArea, Volume
+from seal_mdao.measures.section_shape import CavityArea, Displacement, Mass, SectionArea, Volume
 from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
@@ -44,6 +44,12 @@ Sites = many(Point, "a list of points [[x, y], ...] (mm)")
 
 simple_kind("section_area", SectionArea, MeasureTable, "Area of the undeformed section.")
 simple_kind("volume", Volume, MeasureTable, "Volume of the undeformed ring.")
+simple_kind(
+    "mass",
+    Mass,
+    MeasureTable,
+    "Mass of the seal per metre, or of the ring.",
+)
 
 
 @kind("wall_thickness", WallThickness)

@@ -86,10 +86,9 @@ def check_axisymmetric(file) -> None:
                 f'strain only; for kinematics = "{AXISYMMETRIC}" define its method volumetric'
             )
     for place, measure in enumerate(file.measures, 1):
-        if measure.type == "leak_rate" or getattr(measure, "length", None) is not None:
-            what = measure.type if measure.type == "leak_rate" else "length"
+        if getattr(measure, "length", None) is not None:
             raise SealFileError(
-                f'[[measure]] {place}: {what} is for kinematics = "{PLANE_STRAIN}"; a ring has its '
+                f'[[measure]] {place}: length is for kinematics = "{PLANE_STRAIN}"; a ring has its '
                 "own length, and its forces are in N"
             )
 

@@ -45,6 +45,8 @@ class SectionRegion(NamedTuple):
         Between two points of the boundary each, along which the section is divided, mm.
     growth : Growth
         By heat and swelling, where there is an environment.
+    density : float or None
+        kg/m^3; the measure ``mass`` alone needs it.
     """
 
     material: object
@@ -52,6 +54,7 @@ class SectionRegion(NamedTuple):
     at: tuple | None = None
     lines: tuple = ()
     growth: Growth = Growth()
+    density: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -250,7 +253,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     """Find the cells of every region, first of that of the rest."""
     rest, *others = sorted(regions, key=lambda region: region.at is not None)
     if not others:
-        return (Region(rest.material, None, rest.prefix, rest.growth),)
+        return (Region(rest.material, None, rest.prefix, rest.growth, rest.density),)
     parts = [filled.part_at(region.at) for region in others]
     for i, part in enumerate(parts):
         if part in parts[:i]:
@@ -268,7 +271,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(
-        Region(region.material, own, region.prefix, region.growth)
+        Region(region.material, own, region.prefix, region.growth, region.density)
         for region, own in zip((rest, *others), cells, strict=True)
     )
 

@@ -1,0 +1,168 @@
+"""Pictures of rings: the mirror image near the axis, the view in space, forces per circumference."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib import colormaps
+from matplotlib.collections import PolyCollection
+from ring_files import cylinder, ring
+
+import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.plotting import ring_figure as view
+from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.several_seals import load_deflection_of
+from seal_mdao.report.html_tables import measures
+from seal_mdao.report.page import ShownSeal
+from seal_mdao.report.write import ring_section
+
+
+def analyzed(folder, text):
+    path = folder / "ring.toml"
+    path.write_text(text)
+    return sm.analyze(sm.build_seal(path))
+
+
+@pytest.fixture(scope="module")
+def solid(tmp_path_factory):
+    return analyzed(tmp_path_factory.mktemp("solid"), cylinder())
+
+
+@pytest.fixture(scope="module")
+def wide(tmp_path_factory):
+    """Inner radius 3 mm, section 2 x 2 mm."""
+    text = ring() + '[[measure]]\ntype = "reaction"\n'
+    return analyzed(tmp_path_factory.mktemp("wide"), text)
+
+
+def test_a_section_near_the_axis_is_shown_with_its_mirror_image(solid):
+    figure = plotting.deformed_shapes(solid)
+    for axes in figure.axes[:4]:
+        low, high = axes.get_xlim()
+        assert low == -high
+        images = [own for own in axes.get_children() if own.get_label() == "_mirror"]
+        lines = [own for own in images if own in axes.lines]
+        assert len(images) > len(lines) > 1
+        # the image of a point is where the point of the opposite radius is
+        points = np.array([[1.0, 0.5], [2.0, 1.0]])
+        opposite = axes.transData.transform(points * [-1.0, 1.0])
+        for own in images:
+            # of collections the transform is that of their paths
+            np.testing.assert_allclose(own.get_transform().transform(points), opposite, atol=1e-9)
+        axes.figure.canvas.draw()
+        ticks = [label.get_text() for label in axes.get_xticklabels()]
+        assert ticks == ticks[::-1]
+    # one entry of the legend each
+    (legend,) = figure.legends
+    assert [own.get_text() for own in legend.get_texts()] == [
+        "in contact", "open between contacts",
+    ]  # fmt: skip
+
+
+def test_the_name_of_a_profile_across_the_axis_is_on_the_right(solid):
+    (name,) = plotting.section_cloud(solid).axes[0].texts
+    assert name.get_text() == "plate"
+    # in the middle of the visible part, 0 to 2.4 mm
+    assert name.get_position()[0] == pytest.approx(1.2, abs=0.2)
+
+
+def test_a_section_far_from_the_axis_is_shown_alone(wide):
+    axes = plotting.section_cloud(wide).axes[0]
+    assert axes.get_xlim()[0] > 0.0
+    assert not [own for own in axes.get_children() if own.get_label() == "_mirror"]
+    # inner radius over the size of the section: 1.5, and exactly the limit
+    assert not section.near_axis(wide.seal)
+    nominal = wide.seal.nominal_particles - [1.0, 0.0]
+
+    class Moved:
+        body, nominal_particles = wide.seal.body, nominal
+
+    assert section.near_axis(Moved)
+
+
+def test_particles_are_fixed_in_the_legend_only_where_some_are(wide):
+    def words(result):
+        return [own.get_text() for own in plotting.section_cloud(result).axes[0].get_legend().texts]
+
+    assert "fixed" in words(wide)
+    free = replace(wide.seal.body, fixed=np.zeros_like(wide.seal.body.fixed))
+    assert "fixed" not in words(replace(wide, seal=replace(wide.seal, body=free)))
+
+
+def test_surface_that_is_seen_covers_the_silhouette():
+    """Of a solid cylinder: a disc from above and a rectangle from the side."""
+    # around the section on the left, from the axis
+    x = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [0.0, 3.0]])
+    corners, colors = view._surface(x, (np.arange(4),), (0.0, 2.0 * np.pi))
+    seen = view._seen(corners)
+    step = np.roll(seen, -1, axis=1)
+    areas = 0.5 * (seen[..., 0] * step[..., 1] - seen[..., 1] * step[..., 0]).sum(axis=1)
+    exact = np.pi * 4.0 * np.sin(view.ELEVATION) + 2.0 * 2.0 * 3.0 * np.cos(view.ELEVATION)
+    # a polygon in place of the circle: relative error (angle of a facet)^2 / 6, at most twice
+    assert abs(areas).sum() == pytest.approx(exact, rel=view.FACET**2 / 3.0)
+    assert np.all(areas < 0.0)
+    assert colors.min() > 0.0
+    assert colors.max() <= 1.0
+
+
+def test_cuts_of_the_view_have_the_stress_of_the_section(wide):
+    figure = view.ring_view(wide)
+    (pieces,) = (own for own in figure.axes[0].collections if isinstance(own, PolyCollection))
+    fine = view.fine_grid(wide)
+    (scale,) = section.stress_scales([fine])
+    mean = np.maximum(fine.von_mises()[fine.quads].mean(axis=1), 0.0)
+    expected = colormaps[scale["cmap"]](scale["norm"](mean))[:, :3]
+
+    # every piece of the section is there twice, in its colour; the surface is grey
+    def counted(colors):
+        return Counter(map(tuple, np.round(colors, 12).tolist()))
+
+    shown = counted(pieces.get_facecolors()[:, :3])
+    assert all(shown[color] == 2 * n for color, n in counted(expected).items())
+    assert shown.total() > 2 * len(expected)
+    assert figure.axes[0].get_title() == f"270° of the ring, {wide.caption(3)}"
+
+
+def test_of_a_very_wide_ring_a_part_is_shown(tmp_path):
+    result = analyzed(tmp_path, ring(inner=38.0))
+    outer = result.deformed()[:, 0].max()
+    title = view.ring_view(result).axes[0].get_title()
+    # the grid between the particles may bulge a little beyond them
+    degrees = np.rad2deg(view.LONGEST * 2.0 / outer)
+    assert int(title.partition("°")[0]) == pytest.approx(degrees, abs=1.0)
+
+
+def test_plane_strain_has_no_view_in_space(nominal):
+    with pytest.raises(ValueError, match="only a ring"):
+        plotting.ring_view(nominal)
+
+
+def test_forces_of_figures_and_report_are_per_circumference_too(wide):
+    radius = wide.seal.units.radius
+    force = wide.path.reaction("plate")[-1, 1]
+    for figure in (plotting.load_deflection(wide), load_deflection_of({"a": wide})):
+        (right,) = figure.axes[0].child_axes
+        assert right.get_ylabel() == (
+            f"N per mm of circumference\nat the mean radius {radius:.4g} mm"
+        )
+        figure.canvas.draw()
+        low, high = figure.axes[0].get_ylim()
+        expected = np.array([low, high]) / (2.0 * np.pi * radius)
+        assert right.get_ylim() == pytest.approx(expected, rel=1e-12)
+    found = measures(wide)
+    along = f"per mm of circumference at the mean radius {radius:.4g} mm"
+    for name in ("reaction", "vertical force on the profile"):
+        assert found[name] == ("N", pytest.approx(force, rel=1e-12))
+        unit, value = found[f"{name}, {along}"]
+        assert unit == "N/mm"
+        assert value == pytest.approx(force / (2.0 * np.pi * radius), rel=1e-12)
+
+
+def test_report_has_the_view_of_rings_alone(wide, nominal):
+    class Recorded:
+        name = "bump"
+
+    assert 'alt="Deformed ring: bump"' in ring_section(0, ShownSeal(Recorded, [wide, wide]))
+    assert ring_section(0, ShownSeal(Recorded, [nominal])) == ""
