@@ -18,7 +18,6 @@ BULB = """\
 {rubber}
 # The boundary, counter-clockwise, body on the left; every piece belongs to an edge.
 [section]
-material = "rubber"
 spacing = 0.7  # largest distance of particles; a wall gets at least three layers (key layers)
 outer = [
   {{ edge = "foot", line = [[-5.0, 0.0], [5.0, 0.0]] }},

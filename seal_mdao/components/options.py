@@ -89,18 +89,30 @@ def add_parameters(component, seal: Seal, names) -> None:
 
 
 def check_parameters_by_differences(component, seal: Seal, names, step: float) -> None:
-    """Use central differences with a relative step for scalar parameters in ``check_partials``."""
+    """Use central differences with a relative step for scalar parameters in ``check_partials``, and
+    forward ones where the nominal value is the least admissible one, such as a friction of 0."""
     for name in names:
         # placements (mm, deg) are 0 in the nominal seal; a step relative to 0 is lost in rounding
         least = None if seal.scalars[name].value else step
+        form = "central" if _may_decrease(seal, name, step) else "forward"
         component.set_check_partial_options(
             wrt=name,
             method="fd",
-            form="central",
+            form=form,
             step=step,
             step_calc="rel_avg",
             minimum_step=least,
         )
+
+
+def _may_decrease(seal: Seal, name: str, step: float) -> bool:
+    """Return whether a parameter may be less than its nominal value by a relative step."""
+    value = float(seal.scalars[name].value)
+    try:
+        seal.with_parameters({name: value - step * (abs(value) or 1.0)})
+    except ValueError:
+        return False
+    return True
 
 
 class OffsetsComp(om.ExplicitComponent):

@@ -21,11 +21,14 @@ class RandomDirectionsComp(om.ExplicitComponent):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.matrix_free = False
-        self._checked = {}
+        self._checked, self._upward = {}, set()
 
     def set_check_partial_options(self, wrt, *args, **kwargs):
         """Set options of ``check_partials``; ``directional`` is always True, for OpenMDAO requires
-        one value for all inputs."""
+        one value for all inputs. Random numbers along scalar inputs with forward differences are
+        positive."""
+        if kwargs.get("form") == "forward":
+            self._upward.add(wrt)
         super().set_check_partial_options(wrt, *args, **kwargs | {"directional": True})
 
     def check_partials(self, *args, **kwargs):
@@ -54,14 +57,17 @@ class RandomDirectionsComp(om.ExplicitComponent):
     def _avoid_small_directions(self):
         """Advance NumPy's generator until the next draw has no small number for a scalar input."""
         # the threshold decreases with the number of inputs, so that few draws suffice
-        shapes = [data["shape"] for data in self.get_io_metadata("input", ["shape"]).values()]
+        inputs = self.get_io_metadata("input", ["shape"])
+        shapes = [data["shape"] for data in inputs.values()]
+        # |a| >= least, a >= least in forward differences
+        sign = [np.abs if name not in self._upward else np.positive for name in inputs]
         least = min(SMALLEST, 1.0 / len(shapes))
         while True:
             # trial draw in the order of OpenMDAO's inputs; once accepted the state is restored, so that
             # OpenMDAO draws the same numbers
             state = np.random.get_state()
             drawn = [2.0 * np.random.random(np.prod(shape, dtype=int)) - 1.0 for shape in shapes]
-            if all(part.size > 1 or abs(part[0]) >= least for part in drawn):
+            if all(d.size > 1 or of(d[0]) >= least for d, of in zip(drawn, sign, strict=True)):
                 np.random.set_state(state)
                 return
 

@@ -22,6 +22,7 @@ from seal_mdao.seals.local_states import (
     beside_fixed_ends,
     meaningless_states,
 )
+from seal_mdao.seals.missing_contact import buried_edges
 from seal_mdao.seals.overlap import crossings, overlap_depths
 from seal_mdao.seals.samples import Samples
 from seal_mdao.values import place as _at
@@ -31,6 +32,8 @@ SLIGHT, DEEP = 0.01, 0.1
 CROSSED = 0.005
 """Fraction of the wall's thickness above which local values mean nothing where a boundary is crossed.
 Up to ``DEEP`` the missing contact changes the force of a bulb by less than half a percent."""
+MISSED = 0.02
+"""Fraction of the wall's thickness by which an edge without contact may lie inside a profile."""
 SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
 """det F of nearly incompressible material below which it is reported, and is not admissible."""
 SOLID_VOLUME = 0.2
@@ -277,14 +280,29 @@ def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
 
 
 def _inside_profiles(samples: Samples):
-    """Report a boundary inside a rigid profile, at its contact points, between them, or elsewhere."""
+    """Report a boundary inside a rigid profile: edges that may not touch it, then at the contact points,
+    between them, or elsewhere."""
     path = samples.path
     size, whose = _smaller_of_wall_and_squeeze(samples)
-    which = np.unique(samples.chains)
+    edges, buried = path.discretization.body.edges, list(buried_edges(path, SLIGHT * size))
+    for own in buried:
+        yield Finding(
+            f"the edge {own.edge!r} may not touch the rigid profile {own.profile!r}, and lies inside it "
+            f"from {own.since} on, by up to {own.depth:.3g} mm near {_at(own.place)}, "
+            f"{100.0 * own.depth / size:.2g} % of {whose}, so forces are wrong from there on; "
+            f"{own.cure}",
+            bool(own.depth > DEEP * samples.wall),
+            meaningless=bool(own.depth > MISSED * samples.wall),
+        )
     for term in path.problem.terms:
         if not isinstance(term, ContactTerm):
             continue
-        # gaps of all boundary samples, not only of the contact points
+        # gaps of all boundary samples, not only of the contact points; but not beside buried edges
+        of = [edges[own.edge].particles for own in buried if own.profile == term.label]
+        beside = np.isin(samples.chains[:, [0, -1]], np.concatenate(of or [[]])).any(axis=1)
+        which = np.unique(samples.chains[~beside])
+        if not which.size:
+            continue
         gap = term.gaps(samples.places[which], path.steps[-1].fraction)
         worst = int(np.argmin(gap))
         if not gap[worst] >= -SLIGHT * size:  # NaN is no gap either

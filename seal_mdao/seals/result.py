@@ -21,6 +21,7 @@ from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import take_path, without_factors
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.instabilities import Instability, instabilities
+from seal_mdao.seals.missing_contact import missing_contact
 from seal_mdao.seals.samples import Samples
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
@@ -240,6 +241,8 @@ class SealResult:
         # a fold of a free surface ends the path whatever the load steps and penalties are
         folded = creases(Samples(self.path)) if done else ""
         advice = f"At the last converged load step {folded}" if folded else ADVICE
+        near = missing_contact(self.path) if done else ""
+        advice = f"{near}. {advice}" if near else advice
         return (
             f"the load path could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}{advice}"

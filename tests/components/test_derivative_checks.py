@@ -4,6 +4,7 @@ import numpy as np
 import openmdao.api as om
 import pytest
 from openmdao.utils.assert_utils import assert_check_partials
+from seal_file.block_files import FIXED, LID, seal_of
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
@@ -89,3 +90,19 @@ def test_check_totals_by_complex_step_is_refused(short):
     problem.run_model()
     with pytest.raises(RuntimeError, match="complex steps cannot pass through the contact"):
         problem.check_totals(["reaction"], ["door_radius"], method="cs", out_stream=None)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_parameter_at_its_least_value_is_checked_by_steps_forward(tmp_path, seed):
+    """A friction of 0; of either sign of the random numbers. Forward differences err by h f'' / 2: here
+    h = 2e-5, and f'' / f' is 1.7."""
+    seal = seal_of(tmp_path, FIXED, LID.replace("friction = 0.3", "friction = 0.0"))
+    problem = om.Problem()
+    problem.model.add_subsystem("seal", sm.SealGroup(seal=seal, parameters=["lid_friction"]))
+    problem.setup()
+    problem.run_model()
+    np.random.seed(seed)
+    data = problem.check_partials(out_stream=None, includes=["seal.contact"])["seal.contact"]
+    block = data["reaction", "lid_friction"]
+    assert abs(block["J_fd"]).max() > 100.0
+    np.testing.assert_allclose(block["J_fwd"], block["J_fd"], rtol=1e-4)

@@ -311,7 +311,11 @@ BAD = {
     "no friction": (*without("friction = 0.25\n"), "[[profile]] 1 ('door'): the key 'friction' is miss"),
     "negative friction": ("friction = 0.25", "friction = -0.1", "friction = -0.1, but it must be a nu"),
     "friction a text": ("friction = 0.25", 'friction = "low"', "friction = 'low', but it must be a nu"),
-    "no contact": (*without('contact = ["seal"]\n'), "('door'): the key 'contact' is missing; it must"),
+    "no free edge": ('contact = ["seal"]\n', 'glued = ["seal", "cavity"]\n', "[[profile]] 1 ('door'): "
+                     "contact is missing, and no edge is free of [fixed], [[symmetry]], [[moved]] and"),
+    "which material": (MATERIAL + '[section]\nmaterial = "rubber"\n',
+                       MATERIAL + "[material.foam]\nsponge = '2A2'\n[section]\n",
+                       "[section]: material is missing; the file has several: rubber, foam"),
     "unknown contact": ('contact = ["seal"]', 'contact = ["sael"]', "[[profile]] 1 ('door'): contact = "
                         "'sael', but there is no such edge (did you mean 'seal'?)"),
     "contact is fixed": ('contact = ["seal"]', 'contact = ["base"]', "contact = 'base', but [fixed] h"),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from seal_file.block_files import FIXED, file_of
 
 import seal_mdao as sm
 from seal_mdao.calibration.loading_modes import MODES, nominal_stress
@@ -58,6 +59,50 @@ def test_the_tables_of_a_file_become_decisions():
     assert file.optimize.constraints[0] == Constraint("reaction", 40, 60)
     with pytest.raises(dataclasses.FrozenInstanceError):
         file.section.spacing = 1.0
+
+
+@pytest.mark.parametrize("start", ["[0.0, 13.9]", "[1.0, 12.0]"])
+def test_the_start_that_a_message_proposes_is_clear(tmp_path, start):
+    with pytest.raises(sm.SealFileError, match="such as start = ") as caught:
+        changed(tmp_path, ("start = [0.0, 14.45]", f"start = {start}"))
+    proposed = re.search(r"such as (start = \[.*?\])", str(caught.value))[1]
+    changed(tmp_path, ("start = [0.0, 14.45]", proposed))
+
+
+def test_section_takes_the_only_material(tmp_path):
+    assert changed(tmp_path, ('material = "rubber"\n', "")) == dataclasses.replace(
+        sm.read_seal_file(BULB), path=tmp_path / "seal.toml"
+    )
+
+
+def test_free_neighbours_of_the_nearest_edge_touch_unless_contact_is_given(tmp_path):
+    assert changed(tmp_path, ('contact = ["seal"]\n', "")).profiles[0].contact == ("seal",)
+    # a block between its glued or fixed left edge and its plane of symmetry on the right
+    right = """[fixed]
+edges = ["left"]
+[[symmetry]]
+edges = ["right"]
+normal = "x"
+"""
+    for y, travel, contact in ((4.1, -1.0, ("top",)), (-0.1, 1.0, ("base",))):
+        plate = "[[9, 0], [-9, 0]]" if y < 0.0 else "[[-9, 0], [9, 0]]"
+        table = f"""[[profile]]
+name = "plate"
+friction = 0.1
+line = {plate}
+start = [0, {y}]
+stage = [{{ translate = [0, {travel}] }}]
+"""
+        (own,) = file_of(tmp_path, right, table).profiles
+        assert own.contact == contact
+        # all but the fixed one, as they follow one another behind it
+        if y > 0.0:
+            for fixed, free in (
+                ("base", ("right", "top", "left")),
+                ("right", ("top", "left", "base")),
+            ):
+                (own,) = file_of(tmp_path, FIXED.replace("base", fixed), table).profiles
+                assert own.contact == free
 
 
 def test_a_file_of_the_needed_tables_alone(tmp_path):

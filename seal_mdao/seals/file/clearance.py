@@ -40,6 +40,45 @@ def nearest_at_start(profile, outline) -> Nearest:
     return min(found, key=lambda own: own.gap)
 
 
+def nearest_free_edges(where: str, profile, file) -> tuple[str, ...]:
+    """Return the free edges that follow one another around the one nearest to a profile at the start.
+
+    Raises
+    ------
+    SealFileError
+        When no edge is free.
+    """
+    runs = [
+        run
+        for contour in file.section.outline.contours
+        for run in _free_runs(contour.edge_names, file.supports)
+    ]
+    if not runs:
+        raise SealFileError(
+            f"{where}: contact is missing, and no edge is free of [fixed], [[symmetry]], [[moved]] and "
+            "glued; leave an edge free that the profile may touch"
+        )
+    gap, sagitta = gap_at_start(profile), LOOK * file.section.outline.size
+
+    def away(run):
+        segments = (s for name in run for s in file.section.outline.edge(name))
+        return min(_nearest_of(segment, gap, sagitta).gap for segment in segments)
+
+    return min(runs, key=away)
+
+
+def _free_runs(names, supports) -> list[tuple[str, ...]]:
+    """Divide the edges of a closed contour into runs of neighbours without a support."""
+    held = [i for i, name in enumerate(names) if name in supports]
+    if not held:
+        return [tuple(names)]
+    # begin behind a supported edge, and end a run at every other one
+    found = [()]
+    for name in (*names[held[0] + 1 :], *names[: held[0]]):
+        found = [*found, ()] if name in supports else [*found[:-1], (*found[-1], name)]
+    return [run for run in found if run]
+
+
 def check_start(where: str, profile, outline) -> float:
     """Return the least gap of a profile at the start, mm, which must not be negative.
 
@@ -57,10 +96,15 @@ def check_start(where: str, profile, outline) -> float:
         # all of the section on the wrong side: the curve has the wrong direction
         inside = all(gap(*x) < 0.0 for x in np.concatenate(every))
         turned = "; is its direction reversed?" if inside else ""
+        # a start along the normal there, where that clears all edges
+        clear = _moved_off(profile, place, -1.001 * least, outline.size)
+        such = not inside and nearest_at_start(clear, outline).gap >= 0.0
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
-            f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away (the "
-            f"rigid body lies on the left of the curve's direction{turned})"
+            f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away"
+            + f", such as start = {(np.round(clear.start, 6) + 0.0).tolist()}" * such
+            + " or leave that edge out of contact" * (len(profile.contact) > 1)
+            + f" (the rigid body lies on the left of the curve's direction{turned})"
         )
     return least
 
@@ -70,14 +114,17 @@ def cleared(profile, outline):
 
     A profile that touches in the drawing would begin within the section or outside of it by chance.
     """
-    clear, h = ROUNDING * outline.size, 1e-3 * outline.size
-    least, (x, y), _ = nearest_at_start(profile, outline)
-    if least > clear:
-        return profile
-    gap = gap_at_start(profile)
+    clear = ROUNDING * outline.size
+    least, place, _ = nearest_at_start(profile, outline)
+    return profile if least > clear else _moved_off(profile, place, 2.0 * clear, outline.size)
+
+
+def _moved_off(profile, place, distance: float, size: float):
+    """Return the profile with a start that is ``distance`` (mm) farther off a point."""
+    gap, h, (x, y) = gap_at_start(profile), 1e-3 * size, place
     # the profile moves against the gradient of its gap g, by central differences
     away = np.array([gap(x + h, y) - gap(x - h, y), gap(x, y + h) - gap(x, y - h)]) / (2.0 * h)
-    start = np.array(profile.start) - 2.0 * clear * away
+    start = np.array(profile.start) - distance * away
     return replace(profile, start=tuple(start.tolist()))
 
 

@@ -106,8 +106,9 @@ def write_design(
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
-    # a cloud has no scheme, from which contact points would follow
+    # edges of the nominal section; a cloud has no scheme, from which contact points would follow
     for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
+        own["contact"] = list(profile.contact)
         own["contact_points"] = profile.contact_points
     text = HEAD.format(name=file.path.name) + writer.dumps(given)
     paths[0].write_text(text, encoding="utf-8")

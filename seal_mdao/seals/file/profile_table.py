@@ -99,7 +99,11 @@ class ProfileTable(Staged, SegmentTable):
     friction: FrictionByEdge = key(
         "Coulomb coefficient, or another law; or those of every edge: { seal = 0.2, lip = 0.6 }"
     )
-    contact: Names = key("edges that may touch it, neighbours on the boundary")
+    contact: Names | None = key(
+        "edges that may touch it, neighbours on the boundary; unless given, all free neighbours of the "
+        "free edge that is nearest at the start",
+        None,
+    )
     glued: Names | None = key("edges that are bonded to it and follow its motion", None)
     segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
     shape: Annotated[ShapeTable, Extensible("profiles", "type", _extension)] | None = key(

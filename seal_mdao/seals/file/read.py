@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
+from seal_mdao.seals.file.clearance import nearest_free_edges
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
@@ -130,14 +131,15 @@ def _decided(written: Written, path: Path) -> SealFile:
     materials = {
         name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
     }
-    section = written.section.read(path.parent)
-    return SealFile(
+    section = written.section.read(path.parent, tuple(materials))
+    file = SealFile(
         path, materials, section, written.fixed, written.symmetry,
         _with_contact_points(profiles, section, written), written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
         step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
         written.model, written.material,
     )  # fmt: skip
+    return replace(file, profiles=_with_contact(file))
 
 
 def _check_profile_names(profiles) -> None:
@@ -150,6 +152,16 @@ def _check_profile_names(profiles) -> None:
             raise SealFileError(
                 f"[[profile]] {i + 1}: name = 'structure', but that is the name of the body itself"
             )
+
+
+def _with_contact(file: SealFile) -> tuple:
+    """Choose the edges that may touch a profile where the file leaves them open."""
+    return tuple(
+        replace(own, contact=nearest_free_edges(f"[[profile]] {i} ({own.name!r})", own, file))
+        if own.contact is None
+        else own
+        for i, own in enumerate(file.profiles, 1)
+    )
 
 
 def _with_contact_points(profiles, section: SectionTable, written: Written) -> tuple:

@@ -97,7 +97,7 @@ class RegionTable(Table):
 class WrittenSection(Table):
     """The outline of the section and how it is filled with particles."""
 
-    material: Text = key("name of a material")
+    material: Text | None = key("name of a material; optional if the file has only one", None)
     spacing: number("mm", above=0.0) | None = key(
         "largest distance of particles; walls get smaller ones", None
     )
@@ -151,14 +151,21 @@ class WrittenSection(Table):
             raise ValueError("layers belongs to spacing; rays and a cloud have their own")
         return self
 
-    def read(self, folder: Path) -> "SectionTable":
+    def read(self, folder: Path, materials: tuple) -> "SectionTable":
         """Read the section of a file in ``folder``, which its drawing and its cloud are relative to.
+
+        ``materials`` are the names of those in the file.
 
         Raises
         ------
         SealFileError
-            For contours that are open or cross, a drawing or a cloud that cannot be read.
+            For contours that are open or cross, a drawing or a cloud that cannot be read; without
+            a material where the file has several.
         """
+        if self.material is None and len(materials) > 1:
+            raise SealFileError(
+                f"[section]: material is missing; the file has several: {', '.join(materials)}"
+            )
         if self.dxf is None:
             drawing = Drawing(self._segments(), (), (), {})
         else:
@@ -179,7 +186,7 @@ class WrittenSection(Table):
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
         layers = LAYERS if self.layers is None else self.layers
         return SectionTable(
-            outline, self.material, filling, *beside, regions, layers, drawing.parting,
+            outline, self.material or materials[0], filling, *beside, regions, layers, drawing.parting,
             drawing.notice,
         )  # fmt: skip
 
