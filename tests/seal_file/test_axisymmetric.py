@@ -48,7 +48,11 @@ def test_the_ring_beside_the_axis_is_free_there(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('"axisymmetric"', '"spherical"', "must be one of plane_strain, axisymmetric"),
+        (
+            '"axisymmetric"',
+            '"spherical"',
+            "must be one of plane_strain, generalised_plane_strain, axisymmetric",
+        ),
         ("[3.0, 0.0]", "[-1.0, 0.0]", r"goes to x = -1, beyond the axis x = 0"),
         ('"top"]', '"bore"]', "lies on the axis of revolution"),
         ("steps = 4", "steps = 4\nrotate = 5.0", "rotates, which no body of revolution does"),
