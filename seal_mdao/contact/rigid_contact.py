@@ -300,12 +300,18 @@ class ContactTerm(PointTerm):
     # ---- the path ----
 
     def check_start(self, response):
-        # means over edges of different length lie beside the curve by less than this
-        slack = 0.0 if self.where.averages is None else SLACK * self.length
-        if np.any(response.gap < -slack):
+        gap = own = response.gap
+        slack = 0.0
+        if self.where.averages is not None:
+            # means lie beside the curve by less than the slack; inside are those whose particles are
+            slack = SLACK * self.length
+            own = self.gaps(self.where.points.at(self.discretization.particles), 0.0)
+            slack = np.where(own < 0.0, 0.0, slack)
+        if np.any(gap < -slack):
             raise GeometryError(
-                f"the undeformed body starts {-float(response.gap.min()):.3g} inside the rigid "
-                f"profile {self.label!r}; let its motion start farther away (start of the door seal)"
+                f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
+                f"profile {self.label!r}; let it start as much farther away (start of the profile or of "
+                f"the door seal, or a placement such as {self.label}_y)"
             )
 
     def changes(self, step, response, target):

@@ -1,7 +1,7 @@
 """Critical modes: eigenvectors of a tangent with eigenvalues nearest to zero, from its factor."""
 
 import numpy as np
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh
 
 ACCURACY = 1e-6
 """Relative, of the eigenvalue."""
@@ -39,7 +39,7 @@ def nearest_mode(factor, n: int, symmetric: bool, negative: bool = False):
             inverse, 1, which=wanted if negative else "LM", v0=start, tol=ACCURACY
         )
         value, mode = found[0].real, np.ascontiguousarray(modes[:, 0].real)
-    except ArpackNoConvergence:
+    except ArpackError:
         # power iteration phi <- K^-1 phi, 1/lambda by the Rayleigh quotient phi . K^-1 phi
         mode = start
         for _ in range(POWERS):

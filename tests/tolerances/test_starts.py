@@ -1,13 +1,16 @@
 """Samples whose profile would begin inside of the seal are analysed, not left out."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from seal_file.block_files import FIXED, LID, seal_of
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.seals.clear_start import with_clear_starts
@@ -131,3 +134,22 @@ def test_the_door_of_the_door_seal_backs_off():
     assert not found.failure
     roomy = SealTask(with_options(seal, clearance=0.6), task.measures, ()).run(swollen, np.zeros(0))
     assert found.values == pytest.approx(roomy.values, rel=1e-3)
+
+
+def test_means_that_begin_inside_with_their_particles_are_refused(tmp_path):
+    """By 1e-4 mm in a spacing of 1 mm, within which means of a curved edge may lie beside it."""
+    lid = LID.replace("friction = 0.3", 'friction = 0.3\ncontact_points = "averages"')
+    seal = seal_of(tmp_path, FIXED, lid).with_placements()
+    words = r"starts 0\.0001 mm inside the rigid profile 'lid'; .* such as lid_y\)"
+    with pytest.raises(sm.GeometryError, match=words):
+        sm.analyze(seal, parameters={"lid_y": -0.0201})
+    assert sm.analyze(seal, parameters={"lid_y": -0.0199}).converged
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_mode_of_a_factor_without_numbers_is_none(symmetric):
+    """The path fails with a message; ARPACK alone would end the analysis."""
+    factor = SimpleNamespace(solve=lambda b: np.full_like(b, np.nan))
+    value, mode = nearest_mode(factor, 30, symmetric)
+    assert np.isnan(value)
+    assert np.isnan(mode).all()
