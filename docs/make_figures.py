@@ -46,6 +46,7 @@ GROUPS = {
     "performance": "figures.performance",
     "tolerance_study": "figures.tolerance_study",
     "revolution": "figures.revolution",
+    "environment": "figures.environment",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""
 

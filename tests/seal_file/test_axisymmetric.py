@@ -51,7 +51,7 @@ def test_the_ring_beside_the_axis_is_free_there(tmp_path):
         (
             '"axisymmetric"',
             '"spherical"',
-            "must be one of plane_strain, generalised_plane_strain, axisymmetric",
+            "must be one of plane_strain, generalised_plane_strain, axi",
         ),
         ("[3.0, 0.0]", "[-1.0, 0.0]", r"goes to x = -1, beyond the axis x = 0"),
         ('"top"]', '"bore"]', "lies on the axis of revolution"),
