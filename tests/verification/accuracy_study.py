@@ -99,12 +99,12 @@ REFINED_STEPS = {
     "incremental": (*STEPS, 800, 1600, 3200), "accumulated": (*STEPS, 4 * STEPS[-1]),
 }  # fmt: skip
 RINGS = {
-    "ring_disc_2": (0.2,), "ring_disc_5": (0.4, 0.3), "ring_squeezed": (0.3, 0.2),
+    "ring_disc_2": (0.2,), "ring_disc_5": (0.4, 0.3), "ring_squeezed": (0.3, 0.2, 0.15),
     "ring_sleeve": (0.4, 0.3, 0.2), "ring_foam": (0.4, 0.3),
 }  # fmt: skip
-"""Spacings of bodies of revolution, mm: that of the file, then smaller ones."""
+"""Spacings of bodies of revolution, mm; those of the files are the first, of the O-ring the second."""
 DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}
-INNER, RING_RADII, WALL_CELLS = (0.0, 1.0), (40.0, 400.0, 4000.0, 40000.0), (4, 8, 16)
+INNER, RING_RADII, WALL_CELLS = (0.0, 1.0), (40.0, 400.0, 4000.0, 40000.0), (8, 16, 32, 64)
 FINEST = (232, 9)
 """Rays and layers, beyond what the tests run."""
 

@@ -6,6 +6,13 @@ quadratic basis needs one moment more (Duan, Li, Belytschko and others, Int. J. 
 92 (2012) 399; Chen, Hillman and Rueter, ibid. 95 (2013) 387): gradients corrected by a linear field,
 
     sum_q w_q m_q grad~_q = sum_e m_e Phi_e n_e - sum_q w_q Phi_q grad m_q,     m = 1, x, y.
+
+In a body of revolution w and n carry the circumference, and the radial component has the hoop row,
+
+    sum_q w_q m_q (grad~_1 + Phi / R)_q = sum_e m_e Phi_e n_e1 - sum_q w_q Phi_q m_q,1.
+
+Equilibrium sigma_h = sigma_11 + R sigma_11,1 + R b_1 then holds at every point, so that the hoop row
+itself needs no correction (``docs/theory/axisymmetry.md``).
 """
 
 from dataclasses import replace
@@ -14,8 +21,14 @@ import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body, Discretization, discretize
 from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
-from seal_mdao.rkpm.integration import CellTable, EdgeRule, edge_normals, integration_points
-from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.rkpm.integration import (
+    CellTable,
+    EdgeRule,
+    around_normals,
+    circumferences,
+    integration_points,
+)
+from seal_mdao.rkpm.shape_functions import ShapeTable, grad_rows
 from seal_mdao.rkpm.tables import build_table, raw_tables
 from seal_mdao.rkpm.transformed import TableTransform
 
@@ -31,7 +44,7 @@ def _edge_rule(cells: np.ndarray, n_edge: int, column: int) -> tuple[EdgeRule, n
 
 
 def _corrected(weights, normals, x, x_edge, phi, phi_edge, grad):
-    """Gradients (q, 2, n) of one cell with the three moments of the divergence theorem.
+    """Gradients of one cell, as ``grad``, with the three moments of the divergence theorem.
 
     Parameters
     ----------
@@ -40,16 +53,21 @@ def _corrected(weights, normals, x, x_edge, phi, phi_edge, grad):
         Outward normal times weight at the edge points.
     x, x_edge : ndarray, shapes (q, 2), (e, 2)
     phi, phi_edge, grad : ndarray, shapes (q, n), (e, n), (q, 2, n)
+        In a body of revolution the gradients have the row Phi / R as their third one.
     """
     centre, size = x.mean(axis=0), np.sqrt(weights.sum())
     m, m_edge = (np.column_stack([np.ones(len(at)), (at - centre) / size]) for at in (x, x_edge))
     slope = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) / size
     lack = np.einsum("el,en,ej->ljn", m_edge, phi_edge, normals)
     lack -= np.einsum("q,qn,lj->ljn", weights, phi, slope)
-    lack -= np.einsum("q,ql,qjn->ljn", weights, m, grad)
+    lack -= np.einsum("q,ql,qjn->ljn", weights, m, grad[:, :2])
+    # the hoop row is part of the radial divergence
+    lack[:, 0] -= np.einsum("q,ql,qjn->ln", weights, m, grad[:, 2:])
     gram = np.einsum("q,ql,qk->lk", weights, m, m)
     share = np.linalg.solve(gram, lack.reshape(3, -1)).reshape(lack.shape)
-    return grad + np.einsum("ql,ljn->qjn", m, share)
+    new = grad.copy()
+    new[:, :2] += np.einsum("ql,ljn->qjn", m, share)
+    return new
 
 
 def _of_cell(table: ShapeTable, values, components: int, cell: int, column: int) -> np.ndarray:
@@ -65,16 +83,16 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
     disc = discretize(body, particles)
     column = body.pressure.cells
     rule, reference = _edge_rule(body.cells, n_edge, column)
-    points, on_edges = integration_points(body.cell_map, rule)
+    points, on_edges = integration_points(body.cell_map, rule, body.axisymmetric)
     gauss, edges = raw_tables(disc.cloud, points._replace(valued=True), on_edges)
-    normals = reference[:, None] * edge_normals(rule, disc.particles)
-    grad = []
+    weights = disc.weights * circumferences(gauss, disc.weights.shape)
+    normals, grad = reference[:, None] * around_normals(rule, gauss), []
     for cell in range(len(body.cells)):
         places = [own.coordinates.reshape(len(body.cells), -1, 2)[cell] for own in (gauss, edges)]
         phi, phi_edge = (_of_cell(own.raw, own.raw.phi, 1, cell, column) for own in (gauss, edges))
-        slope = _of_cell(gauss.raw, gauss.raw.grad, 2, cell, column)
-        slope = slope.reshape(len(phi), 2, -1)
-        new = _corrected(disc.weights[cell], normals[cell], *places, phi, phi_edge, slope)
+        slope = _of_cell(gauss.raw, gauss.raw.grad, grad_rows(gauss.raw), cell, column)
+        slope = slope.reshape(len(phi), grad_rows(gauss.raw), -1)
+        new = _corrected(weights[cell], normals[cell], *places, phi, phi_edge, slope)
         grad.append(new.ravel())
     raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
     transform = TableTransform(raw, disc.transformation)

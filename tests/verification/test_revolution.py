@@ -1,5 +1,7 @@
 """Bodies of revolution against exact solutions, axisymmetric finite elements and plane strain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from ring_files import PLANE, under_a_lid
@@ -9,19 +11,21 @@ from seal_mdao.equilibrium.discretization import Edge
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import boundary_particles
+from verification.confined import stiffness_under_pressure
 from verification.revolution import (
     BORE,
     BULK,
     C01,
     C10,
-    TUBE_HEIGHT,
     exact_force,
+    extrapolated_error,
     free_stretch,
     inflation_errors,
     large_ring_force,
     pressed_ring,
     principal_stress,
     radial_solution,
+    relative_difference,
 )
 from verification.rings import (
     DISCS,
@@ -99,28 +103,35 @@ def test_frictionless_compression_with_particles(body, figure):
     assert errors.pressure > 0.1
 
 
-@pytest.mark.parametrize("kind", ["tube", "sphere"])
-def test_inflation_converges_in_second_order(kind, figure):
+@pytest.mark.parametrize(("kind", "cells"), [("tube", 32), ("sphere", 8)])
+def test_inflation_converges_in_second_order(kind, cells, figure):
     """A linear basis: the displacement falls with the square of the spacing."""
-    coarse, fine = (inflation_errors(kind, cells) for cells in (8, 16))
+    coarse, fine = (inflation_errors(kind, n) for n in (cells, 2 * cells))
     slope = np.log2(coarse.displacement / fine.displacement)
     figure(f"inflated {kind}: order from 2", abs(slope - 2.0), 0.2)
-    figure(f"inflated {kind}, 16 cells: displacement", fine.displacement, 5e-4)
-    figure(f"inflated {kind}, 16 cells: force on the bore", fine.force, 1e-3)
+    # the error of the next finer grid of the sphere is three times smaller again
+    bounds = {"tube": (1e-5, 1e-6), "sphere": (5e-4, 1e-3)}[kind]
+    for name, bound in zip(fine._fields, bounds, strict=True):
+        figure(f"inflated {kind}, {2 * cells} cells: {name}", getattr(fine, name), bound)
+
+
+def test_displacement_of_a_sphere_tends_to_the_exact_one(figure):
+    """The part in h^2 of 24 and 48 cells through the wall taken off."""
+    figure("inflated sphere, extrapolated: displacement", extrapolated_error(24), 1e-5)
 
 
 def test_tube_of_a_seal_file(figure):
     """Its bore is a moved edge, between planes of symmetry: displacement and force."""
     radius, stress = radial_solution("tube")
-    force = -stress * 2e-3 * np.pi * BORE * TUBE_HEIGHT
+    # 0.5 mm high
+    force = -stress * 2e-3 * np.pi * BORE * 0.5
     errors = []
-    for spacing in (0.1, 0.05):
+    for spacing in (0.05, 0.025):
         result = ring_result("ring_tube", spacing)
         R, u = result.seal.nominal_particles[:, 0], result.path.displacement()
-        exact = np.column_stack([radius(R) - R, 0.0 * R])
-        errors.append(np.sqrt(((u - exact) ** 2).sum() / (exact**2).sum()))
+        errors.append(relative_difference(u, np.column_stack([radius(R) - R, 0.0 * R])))
     figure("tube of a seal file: order from 2, if less", 2.0 - np.log2(errors[0] / errors[1]), 0.1)
-    figure("tube of a seal file: displacement", errors[1], 5e-5)
+    figure("tube of a seal file: displacement", errors[1], 1e-5)
     error = abs(-result.path.reaction("mandrel")[-1, 0] / force - 1.0)
     figure("tube of a seal file: force on the bore", error, 1e-5)
 
@@ -172,6 +183,22 @@ def test_true_pressure_is_force_over_deformed_area(tmp_path, figure):
         figure("true pressure: derivative", abs(own - slope) / abs(found).max(), 1e-4)
 
 
+# ---- high pressure ----
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True], ids=["plane", "ring"])
+def test_confined_rubber_stays_stiff_under_pressure(axisymmetric, figure):
+    """Its smallest stiffness does not depend on the pressure, for int det(grad v) dA = 0 of a field v
+    without values at the boundary.
+
+    Four Gauss points of a cell, which do not integrate that, lose less than a half up to ten shear
+    moduli, nine less than a tenth up to twenty (where p / K is 2 %).
+    """
+    for n_gauss, pressure, bound in ((2, 10.0, 0.5), (3, 20.0, 0.1)):
+        lost = 1.0 - stiffness_under_pressure(n_gauss, pressure, axisymmetric)
+        figure(f"{n_gauss} x {n_gauss} points: stiffness lost", abs(lost), bound)
+
+
 # ---- plane strain ----
 
 
@@ -208,9 +235,9 @@ def test_forces_of_seal_files(name, figure):
 @pytest.mark.parametrize(
     ("name", "spacing"),
     [
-        ("ring_squeezed", 0.2),
+        ("ring_squeezed", 0.15),
         ("ring_foam", 0.3),
-        pytest.param("ring_sleeve", 0.3, marks=pytest.mark.long),
+        pytest.param("ring_sleeve", 0.2, marks=pytest.mark.long),
         pytest.param("ring_disc_5", 0.3, marks=pytest.mark.long),
     ],
 )
@@ -222,11 +249,12 @@ def test_forces_converge(name, spacing, figure):
     figure(f"{name}, {spacing} mm: force", np.abs(fine.force[own]).max(), 6e-3)
 
 
-def test_peak_pressure_of_an_o_ring(figure):
-    """At 20 % squeeze, with 12 and with 17 particles across the section."""
-    for spacing, bound in ((0.3, 3e-2), (0.2, 1e-2)):
-        peak = ring_errors("ring_squeezed", spacing).peak[-1]
-        figure(f"ring_squeezed, {spacing} mm: peak pressure", abs(peak), bound)
+@pytest.mark.parametrize("spacing", [None, 0.15])
+def test_peak_pressure_of_an_o_ring(spacing, figure):
+    """At 10 and 20 % squeeze, from six edges in contact on: less than 2 % and, as the finite elements'
+    peaks change by 0.4 % with their last refinement, what is left of it after twice that."""
+    peak = np.abs(ring_errors("ring_squeezed", spacing).peak).max()
+    figure(f"ring_squeezed, {spacing or 'own'} spacing: peak pressure", peak, 1e-2)
 
 
 @pytest.mark.parametrize("name", DISCS)
@@ -241,3 +269,21 @@ def test_a_disc_beyond_the_limit_of_pressure_is_reported():
     """Compressed by 20 %, the pressure in the thin disc is more than ten times the shear modulus."""
     warnings = ring_result("ring_disc_2").warnings
     assert any("inverted between the quadrature points" in text for text in warnings)
+
+
+@pytest.mark.long
+def test_pressure_in_a_thin_disc_is_smooth_with_nine_points(figure):
+    """At 20 %: the radial displacement of the middle plane, up to 6 mm, against a polynomial of degree 7
+    (over the compression of the half disc)."""
+    seal = ring_result("ring_disc_2").seal
+    nine = sm.analyze(replace(seal, body=replace(seal.body, n_gauss=3)))
+    nine.require_converged()
+    X = seal.nominal_particles
+    at = np.flatnonzero((X[:, 1] < 1e-9) & (X[:, 0] < 6.0))
+    apart = []
+    for result in (ring_result("ring_disc_2"), nine):
+        u = result.path.displacement()[at, 0]
+        smooth = np.polynomial.Polynomial.fit(X[at, 0], u, 7)
+        apart.append(np.abs(smooth(X[at, 0]) - u).max() / 0.2)
+    assert apart[0] > 0.1
+    figure("thin disc, 3 x 3 points: oscillation", apart[1], 1e-2)
