@@ -68,7 +68,7 @@ def _exact() -> dict:
         for kind in ("averages", "particles")
     }  # fmt: skip
     inflated = [
-        [f"{kind}, {cells} cells", percent(own["displacement"], 3), percent(own["force"], 4)]
+        [f"{kind}, {cells} cells", power(own["displacement"], 2), power(own["force"], 2)]
         for kind in ("tube", "sphere")
         for cells in WALL_CELLS
         for own in [stored("inflated_error", kind=kind, cells=cells)]
