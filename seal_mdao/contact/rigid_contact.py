@@ -311,7 +311,7 @@ class ContactTerm(PointTerm):
             raise GeometryError(
                 f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
                 f"profile {self.label!r}; let it start as much farther away (start of the profile or of "
-                f"the door seal, or a placement such as {self.label}_y)"
+                f"the door seal, or the placement {self.label}_x or {self.label}_y)"
             )
 
     def changes(self, step, response, target):

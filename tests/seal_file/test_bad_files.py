@@ -24,6 +24,7 @@ DOOR = "line = [[-40.0, 0.0], [40.0, 0.0]]"
 MATERIAL = BULB[: BULB.index("[section]")]
 SECTION = BULB[BULB.index("[section]") : BULB.index("[fixed]")]
 PROFILE = BULB[BULB.index("[[profile]]") : BULB.index("[[design]]")]
+HELD = BULB[BULB.index("[fixed]") : BULB.index("[[profile.stage]]")]
 STAGES = BULB[BULB.index("[[profile.stage]]") : BULB.index("[[design]]")]
 OPTIMIZE = BULB[BULB.index("[optimize]") :]
 OPEN = BULB.replace("steps = 60\n", "").replace("steps = 20\n", "")
@@ -311,6 +312,8 @@ BAD = {
     "no friction": (*without("friction = 0.25\n"), "[[profile]] 1 ('door'): the key 'friction' is miss"),
     "negative friction": ("friction = 0.25", "friction = -0.1", "friction = -0.1, but it must be a nu"),
     "friction a text": ("friction = 0.25", 'friction = "low"', "friction = 'low', but it must be a nu"),
+    "nothing behind": (HELD, HELD.replace('[fixed]\nedges = ["base"]\n', "").replace("14.45", "14.0"),
+                       "nothing holds the section against the profile 'door', which is a straight line"),
     "no free edge": ('contact = ["seal"]\n', 'glued = ["seal", "cavity"]\n', "[[profile]] 1 ('door'): "
                      "contact is missing, and no edge is free of [fixed], [[symmetry]], [[moved]] and"),
     "which material": (MATERIAL + '[section]\nmaterial = "rubber"\n',

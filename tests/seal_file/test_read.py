@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from seal_file.block_files import FIXED, file_of
+from seal_file.block_files import FIXED, LID, file_of
 
 import seal_mdao as sm
 from seal_mdao.calibration.loading_modes import MODES, nominal_stress
@@ -67,6 +67,16 @@ def test_the_start_that_a_message_proposes_is_clear(tmp_path, start):
         changed(tmp_path, ("start = [0.0, 14.45]", f"start = {start}"))
     proposed = re.search(r"such as (start = \[.*?\])", str(caught.value))[1]
     changed(tmp_path, ("start = [0.0, 14.45]", proposed))
+
+
+def test_plane_of_symmetry_holds_a_section_against_one_plate(tmp_path):
+    lid = LID.replace("4.02", "4")
+    with pytest.raises(
+        sm.SealFileError, match="nothing holds the section against the profile 'lid'"
+    ):
+        file_of(tmp_path, lid)
+    plane = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
+    assert file_of(tmp_path, plane, lid).symmetries
 
 
 def test_section_takes_the_only_material(tmp_path):

@@ -20,7 +20,7 @@ from seal_mdao.seals.file.prescribed_edges import (
     holder,
 )
 from seal_mdao.seals.file.section_table import check_section
-from seal_mdao.seals.outline.contours import Contour, Outline
+from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
 
@@ -348,6 +348,22 @@ def _check_contact_points(where: str, profile, file) -> None:
             )
 
 
+def _check_opposed(names, file) -> None:
+    """Refuse a body in plane strain that a single straight profile pushes, with nothing behind it."""
+    # another body, a fluid, a term or a plane of symmetry may hold it
+    planes = {name for plane in file.symmetries for name in plane.edges}
+    others = file.axisymmetric or file.self_contact or file.fluids or file.terms or names & planes
+    touching = [profile for profile in file.profiles if names & set(profile.contact)]
+    if others or len(touching) > 1 or touching[0].shape is not None:
+        return
+    segments = touching[0].segments
+    if len(segments) == 1 and isinstance(segments[0], Line):
+        raise SealFileError(
+            f"nothing holds the section against the profile {touching[0].name!r}, which is a straight "
+            "line: fix an edge ([fixed]), or add a [[profile]] without stages on its other side"
+        )
+
+
 def _check_bodies_held(file, gaps) -> None:
     """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
     outline = file.section.outline
@@ -368,6 +384,7 @@ def _check_bodies_held(file, gaps) -> None:
             if names & set(profile.contact) and profile.contact_points != "edges"
         ]
         if min(own, default=np.inf) <= TOUCHING * outline.size:
+            _check_opposed(names, file)
             continue
         # what is missing, which body, and how far the nearest profile is
         first = contours[0].edge_names[0]
