@@ -11,10 +11,11 @@ from verification.quadratic_integration import discretize_quadratic
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.structure.deformation import particle_gradients
-from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
+from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.force_products import add_tangent_product
 from seal_mdao.structure.pressure import PressureSpace, through_column
+from seal_mdao.structure.region import Region
 
 RUBBER = sm.MooneyRivlin(*CONSTANTS)
 

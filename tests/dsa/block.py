@@ -14,7 +14,8 @@ from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.ogden import Ogden
 from seal_mdao.seals.seal import Seal
-from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.elastic_body import ElasticBody
+from seal_mdao.structure.region import Region
 from seal_mdao.terms.points import edge_points
 
 COLUMNS, ROWS, STEPS = 7, 4, 14

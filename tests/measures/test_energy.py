@@ -11,7 +11,8 @@ import seal_mdao as sm
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
-from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.elastic_body import ElasticBody
+from seal_mdao.structure.region import Region
 
 SOFT, HARD = np.arange(12), np.arange(12, 24)
 RELATIVE_STEP = 1e-4

@@ -10,8 +10,9 @@ import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.materials.isotropic import invariants
 from seal_mdao.seals.door.door_seal import options_of
-from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.particle_stress import particle_stress
+from seal_mdao.structure.region import Region
 
 
 def stress_of(result, d, points=None, **constants):

@@ -14,7 +14,8 @@ from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.seals.profiles import contacts
-from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.elastic_body import ElasticBody
+from seal_mdao.structure.region import Region
 
 
 @pytest.fixture(scope="module")

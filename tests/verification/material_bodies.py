@@ -13,7 +13,8 @@ from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.neo_hookean import NeoHookean
 from seal_mdao.materials.ogden import Ogden
 from seal_mdao.materials.yeoh import Yeoh
-from seal_mdao.structure.elastic_body import ElasticBody, Region, elastic_body
+from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
+from seal_mdao.structure.region import Region
 from verification.cylinder import BORE, OUTSIDE, inflate
 from verification.layered_cylinder import bore_pressure, free_stretch, principal_stress
 from verification.patch import squeeze

@@ -22,8 +22,9 @@ from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
 from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.seal import Seal
-from seal_mdao.structure.elastic_body import ElasticBody, Region
+from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
+from seal_mdao.structure.region import Region
 
 ON_AXIS = 1e-9
 """Distance from the axis that is rounding, over the size of the section."""

@@ -1,0 +1,56 @@
+"""Regions of a body: cells of one material."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.structure.environment import Growth
+
+
+class Region(NamedTuple):
+    """Cells of one material.
+
+    Attributes
+    ----------
+    material : Isotropic
+    cells : ndarray of int, or None
+        Places of the cells; None for all of them.
+    prefix : str
+        Put before the names of the material's constants.
+    growth : Growth
+        By heat and swelling, where the body has an environment.
+    density : float or None
+        kg/m^3; the measure ``mass`` alone needs it.
+    """
+
+    material: object
+    cells: np.ndarray | None = None
+    prefix: str = ""
+    growth: Growth = Growth()
+    density: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the material, empty where it is the only one."""
+        return self.prefix.rstrip("_")
+
+    @property
+    def names(self) -> tuple:
+        """Names of the constants as parameters."""
+        return tuple(self.prefix + name for name in self.material.names)
+
+    def with_parameters(self, values: dict) -> "Region":
+        """The region with some constants changed; names of others are passed over."""
+        own = {
+            name.removeprefix(self.prefix): value
+            for name, value in values.items()
+            if name.startswith(self.prefix)
+        }
+        constants = {name: own[name] for name in self.material.names if name in own}
+        material = self.material.with_(**constants) if constants else self.material
+        return self._replace(material=material, growth=self.growth.with_parameters(own))
+
+    @property
+    def at(self):
+        """Index of the region's cells."""
+        return slice(None) if self.cells is None else self.cells

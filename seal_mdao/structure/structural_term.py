@@ -1,0 +1,458 @@
+"""The structural form on one design: internal force, tangent, energy, and what sensitivities need."""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.materials import conditioned, hoop_stretch
+from seal_mdao.structure.column_law import BodyStates
+from seal_mdao.structure.deformation import (
+    Deformation,
+    deform,
+    fill_deformations,
+    no_deformation,
+)
+from seal_mdao.structure.energy_gradient import BodySeeds
+from seal_mdao.structure.environment import (
+    NO_CONDITIONS,
+    RegionConditions,
+    at_points,
+    region_conditions,
+)
+from seal_mdao.structure.internal_force import assemble_internal, plane_jacobian
+from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
+from seal_mdao.structure.region import Region
+from seal_mdao.terms.term import Term
+
+_NO_BRANCH = np.empty(0, int)
+
+
+class StructuralResponse(NamedTuple):
+    """What the structural form answers: its force is in the buffers.
+
+    Attributes
+    ----------
+    fraction : float
+        Path parameter of the environment.
+    """
+
+    fraction: float = 0.0
+    history: None = None
+    branch: np.ndarray = _NO_BRANCH
+    unconverged: int = 0
+
+    def copied(self):
+        """Itself."""
+        return self
+
+
+class ColumnsVolumetric(NamedTuple):
+    """Volumetric energy K*/2 (s + c)^2 of the columns of cells at K path parameters.
+
+    Attributes
+    ----------
+    bulk, offset : ndarray, shape (K, n_columns)
+        K* over K, and c.
+    rates : dict of str to ndarray, shape (2, K, n_columns)
+        Derivatives of both in the parameters of the environment.
+    """
+
+    bulk: np.ndarray
+    offset: np.ndarray
+    rates: dict
+
+
+class StructuralTerm(Term):
+    """An ``ElasticBody`` on one design."""
+
+    label = "structure"
+    conservative = True
+
+    def __init__(self, definition, discretization):
+        self.definition, self.names = definition, tuple(definition.scalars)
+        self.discretization, self.cells = discretization, discretization.cells
+        self.functions, self._before = discretization.body.pressure.functions, None
+        self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
+        self.deformation = no_deformation(1, self.cells, len(self.functions))
+        size = discretization.body.support_radius.max() * discretization.depth
+        # of a compressible law its own stiffness
+        laws = [region.material for region in definition.regions]
+        stiffness = max(law.bulk_modulus or law.initial_bulk_modulus for law in laws)
+        self.rounding = float(stiffness * size)
+
+    def _per_column(self, values, dtype=float, what="bulk moduli") -> np.ndarray:
+        """A value of each region spread to the columns of cells, shape (n_columns,).
+
+        Raises
+        ------
+        ValueError
+            When two materials with different ones meet in a column, in words for ``what`` they are.
+        """
+        cells = self.definition.per_cell(values, len(self.cells.weights), dtype)
+        columns = cells.reshape(self.cells.raw.n_groups, -1)
+        # all cells of a column must have the value of its first
+        mixed = np.flatnonzero((columns != columns[:, :1]).any(axis=1))
+        if mixed.size:
+            raise ValueError(
+                f"column {mixed[0]} of {columns.shape[1]} cells, through which the pressure is "
+                f"continuous, has two {what}; use one there, or one pressure a cell"
+            )
+        return columns[:, 0].copy()
+
+    def _by_cell(self, values: np.ndarray) -> np.ndarray:
+        """Values (..., n_columns, q of a column) as a view (..., n_cells, q of a cell)."""
+        return values.reshape(*values.shape[:-2], *self.cells.weights.shape)
+
+    # ---- the material at the quadrature points ----
+
+    def _by_region(self, deformation: Deformation):
+        """Every region with its state (T, J), and h in a body of revolution, as views by cell."""
+        states = [deformation.square, deformation.jacobian]
+        if deformation.hoop is not None:
+            states.append(deformation.hoop)
+        states = [self._by_cell(state) for state in states]
+        for region in self.definition.regions:
+            yield region, [state[..., region.at, :] for state in states]
+
+    def energy_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """W_T, W_J, W_TT, W_TJ, W_JJ of K fields, shape (5, K, n_columns, q); in a body of revolution
+        also W_h, W_Th, W_Jh, W_hh, shape (9, ...)."""
+        around, environment = deformation.hoop is not None, self.definition.environment
+        # one material: no copies
+        if len(self.definition.regions) == 1 and not around and environment is None:
+            material = self.definition.regions[0].material
+            return material.derivatives(deformation.square, deformation.jacobian)
+        out = np.empty((hoop_stretch.ROWS if around else 5, *deformation.square.shape))
+        rows = self._by_cell(out)
+        # every region by its own law
+        for region, state in self._by_region(deformation):
+            own = self._conditions(region, deformation.fractions)
+            rows[:, :, region.at] = conditioned.derivatives(region.material, state, own.conditions)
+        return out
+
+    def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q); in a body of
+        revolution d(W_T, W_J, W_h), shape (C, 3, ...). In W_J is the pressure that a parameter adds
+        beside that of ``bulk_rates``."""
+        around = deformation.hoop is not None
+        out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
+        by_cell = self._by_cell(out)
+        for region, state in self._by_region(deformation):
+            own = self._conditions(region, deformation.fractions)
+            # d(W_T, W_J)/dc; equal names are one parameter
+            rows = conditioned.constant_derivatives(region.material, state, own.conditions)
+            for name, row in zip(region.names, rows, strict=True):
+                by_cell[self.names.index(name)][:, :, region.at] += row
+            # d(W_T, W_J)/dp = d(W_T, W_J)/d(h, theta, m) . d(h, theta, m)/dp
+            for name, rates in own.rates.items():
+                slopes = conditioned.rates(region.material, state, own.conditions)
+                row = (slopes * rates[:, None]).sum(axis=0)
+                by_cell[self.names.index(name)][:, :, region.at] += row
+        # K* c' acts with W_J
+        bulk = self.bulk_at(deformation.fractions)
+        for name, (_, offset) in self._volumetric(deformation.fractions).rates.items():
+            out[self.names.index(name), 1] += (bulk * offset)[..., None]
+        return out
+
+    def _conditions(self, region: Region, fractions) -> RegionConditions:
+        """Conditions of a region at path parameters (K,); none without an environment."""
+        if self.definition.environment is None:
+            return NO_CONDITIONS
+        return region_conditions(
+            self.definition.environment, region.growth, region.prefix, fractions
+        )
+
+    # ---- the projected pressure p = K* (s + c) ----
+
+    @cached_property
+    def bulk_row(self) -> np.ndarray:
+        """Which parameter is the bulk modulus of every column, -1 for none, shape (n_columns,)."""
+        rows = [
+            self.names.index(region.prefix + "bulk_modulus")
+            if "bulk_modulus" in region.material.names
+            else -1
+            for region in self.definition.regions
+        ]
+        return self._per_column(rows, int)
+
+    @cached_property
+    def column_regions(self) -> np.ndarray:
+        """Number of the region of every column of cells, shape (n_columns,)."""
+        return self._per_column(range(len(self.definition.regions)), int, "materials")
+
+    def _volumetric(self, fractions) -> "ColumnsVolumetric":
+        """What the environment does to K and to the volume change, of every column of cells."""
+        shape = len(fractions), len(self.bulk)
+        if self.definition.environment is None:
+            return ColumnsVolumetric(np.ones(shape), np.zeros(shape), {})
+        out, rates = np.empty((2, *shape)), {}
+        for number, region in enumerate(self.definition.regions):
+            own = self._conditions(region, fractions)
+            law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
+            out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
+            slopes = np.array([law.bulk_rates, law.offset_rates])
+            for name, by_name in own.rates.items():
+                # d(K*/K, c)/dp = d(K*/K, c)/d(h, theta, m) . d(h, theta, m)/dp
+                found = rates.setdefault(name, np.zeros((2, *shape)))
+                found[:, :, columns] = (slopes * by_name).sum(axis=1).reshape(2, -1, 1)
+        return ColumnsVolumetric(*out, rates)
+
+    def bulk_at(self, fractions) -> np.ndarray:
+        """K* of every column at path parameters (K,), shape (K, n_columns)."""
+        return self.bulk * self._volumetric(fractions).bulk
+
+    def bulk_rates(self, fractions) -> np.ndarray:
+        """dK* / d(every parameter) at path parameters (K,), shape (C, K, n_columns)."""
+        own = self._volumetric(fractions)
+        out = np.zeros((len(self.names), *own.bulk.shape))
+        for number in range(len(self.names)):
+            out[number] = np.where(self.bulk_row == number, own.bulk, 0.0)
+        for name, (by_name, _) in own.rates.items():
+            out[self.names.index(name)] += self.bulk * by_name
+        return out
+
+    def _placed(self, deformation: Deformation, fractions) -> Deformation:
+        """Set the path parameters of a deformation whose arrays are to be filled."""
+        deformation.fractions[:] = fractions
+        if self.definition.environment is not None:
+            deformation.offset[:] = self._volumetric(fractions).offset
+        return deformation
+
+    @cached_property
+    def particle_regions(self) -> np.ndarray:
+        """Number of the region of every particle, shape (n,)."""
+        regions, body = self.definition.regions, self.discretization.body
+        out = np.zeros(body.n_particles, int)
+        for number, region in enumerate(regions):
+            out[body.cells[region.at]] = number
+        return out
+
+    @cached_property
+    def sample_regions(self) -> np.ndarray:
+        """Number of the region of every one of ``Body.samples``; between two regions the last one."""
+        regions, body = self.definition.regions, self.discretization.body
+        cell_regions = np.zeros(len(body.cells), int)
+        for number, region in enumerate(regions):
+            cell_regions[region.at] = number
+        n, m = body.n_particles, len(body.cells)
+        # midpoints of sides follow the particles, centres of cells come last
+        ends = np.sort(body.samples.anchors[n:-m, :2], axis=1)
+        sides = np.zeros(len(ends), int)
+        # sides are in the order of their two particles
+        pair_number = ends[:, 0] * n + ends[:, 1]
+        for corner in range(4):
+            pair = np.sort(
+                np.column_stack([body.cells[:, corner], body.cells[:, corner - 3]]), axis=1
+            )
+            real = pair[:, 0] != pair[:, 1]
+            which = np.searchsorted(pair_number, pair[real, 0] * n + pair[real, 1])
+            np.maximum.at(sides, which, cell_regions[real])
+        return np.concatenate([self.particle_regions, sides, cell_regions])
+
+    def deformation_of(self, d: np.ndarray, fractions) -> Deformation:
+        """Deformation at displacement fields (K, n, 2) that are known to be admissible, at path
+        parameters (K,)."""
+        out = no_deformation(len(d), self.cells, len(self.functions))
+        return fill_deformations(self.cells, self.functions, d, self._placed(out, fractions))
+
+    def pressure(self, deformation: Deformation) -> np.ndarray:
+        """K* sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
+        # p = K* sum_h N_h s_h
+        bulk = self.bulk_at(deformation.fractions)
+        return bulk[..., None] * (deformation.swelling @ self.functions)
+
+    def squared_swelling(self, deformation: Deformation) -> np.ndarray:
+        """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
+        # sum_h N_h s_h^2
+        return deformation.swelling[0] ** 2 @ self.functions
+
+    # ---- stress at points ----
+
+    def von_mises(self, region: Region, state, fraction: float) -> np.ndarray:
+        """Von Mises stress at states (T, J), or (T, J, h), of a region, and its derivatives in them,
+        shape (3 or 4, ...)."""
+        own = at_points(self._conditions(region, [fraction]))
+        return conditioned.von_mises(region.material, state, own.conditions)
+
+    def von_mises_rates(self, region: Region, state, fraction: float):
+        """Yield the parameters of a region and d sigma_vm / d(each) at states of it."""
+        own = at_points(self._conditions(region, [fraction]))
+        rows = conditioned.von_mises_constants(region.material, state, own.conditions)
+        yield from zip(region.names, rows, strict=True)
+        # d sigma/dp = d sigma/d(h, theta, m) . d(h, theta, m)/dp
+        for name, rates in own.rates.items():
+            slopes = conditioned.von_mises_rates(region.material, state, own.conditions)
+            yield name, (slopes * rates).sum(axis=0)
+
+    # ---- the contract of a term ----
+
+    def add(self, d, raw, fraction, history, force, values):
+        scatter = self.discretization.layout.scatter[0]
+        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values):
+            return None
+        return StructuralResponse(fraction)
+
+    def _assemble(self, table, d, fraction, scatter, force, values, before=None) -> bool:
+        """Assemble at displacements ``d``; the tangent of a mixed iteration where the displacements
+        ``before`` of the last one are given. False where a point is inverted."""
+        weights, functions = self.cells.column_weights, self.functions
+        self._placed(self.deformation, [fraction])
+        if deform(table, weights, functions, d, self.deformation) >= 0:
+            return False
+        # W_T, W_J, W_TT, W_TJ, W_JJ at F
+        w, now = self.energy_derivatives(self.deformation)[:, 0], self.deformation
+        quadrature, law = (table, weights, functions), (0, w, self.bulk_at([fraction])[0], scatter)
+        if before is None:
+            assemble_internal(*quadrature, now, *law, force, values)
+            return True
+        # tangent with the pressure of the linearised swelling, force with the exact one
+        expected = now._replace(swelling=now.swelling - self._beyond_linear(table, d - before))
+        assemble_internal(*quadrature, now, *law, force, np.empty(0))
+        assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
+        return True
+
+    def _beyond_linear(self, table, du) -> np.ndarray:
+        """Part of the swelling (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
+        det(F + G) - det F - cof F : G = det G with G = grad du, and what the hoop stretch adds. 0
+        where an increment inverts a cell."""
+        weights, functions = self.cells.column_weights, self.functions
+        increment = no_deformation(1, self.cells, len(functions))
+        if deform(table, weights, functions, du, increment) >= 0:
+            return np.zeros(self.deformation.swelling.shape[1:])
+        f, now = increment.f[0], self.deformation.f[0]
+        change, around = f[..., 4], increment.hoop is not None
+        if around:
+            # J - 1 of the increment = (det(1 + G) - 1) (1 + g) + g
+            g = f[..., 5] - 1.0
+            change = (change - g) / f[..., 5]
+        # f is 1 + G: det G = det(1 + G) - 1 - tr G
+        beyond = change - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
+        if around:
+            # of J = h det F, h = h0 + g: h0 det G + g (det(F0 + G) - det F0)
+            now, before = now[..., :4], now[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
+            grown = plane_jacobian(np.moveaxis(now, -1, 0))
+            grown -= plane_jacobian(np.moveaxis(before, -1, 0))
+            beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
+        # sum_q N_h w det G / V_h
+        return (weights * beyond) @ functions.T / (weights @ functions.T)
+
+    # ---- mixed iterations ----
+
+    def begin(self, iteration=None):
+        # coefficients of the last linearisation of mixed iterations
+        self._before = iteration
+
+    @property
+    def iteration(self):
+        return self._before
+
+    def begin_mixed(self, step, response, target):
+        self._before = self.discretization.transformation.coefficients(step.d)
+
+    def add_mixed(self, d, raw, fraction, history, force, values):
+        """The pressure in the tangent is K times the linearised swelling: what a linearised rotation
+        adds to det F is of second order, but not when the bulk modulus multiplies it."""
+        scatter, before = self.discretization.layout.scatter[0], self._before
+        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values, before):
+            return None
+        self._before = raw
+        return StructuralResponse(fraction)
+
+    def changes(self, step, response, target):
+        if self.definition.environment is None:
+            return []
+        # dR = R(s_target) - R(s) at fixed displacements
+        disc, found = self.discretization, []
+        for fraction in (step.fraction, target):
+            force = np.zeros(disc.layout.force_size)
+            raw = disc.transformation.coefficients(step.d)
+            scatter = disc.layout.scatter[0]
+            self._assemble(self.cells.raw, raw, fraction, scatter, force, np.empty(0))
+            found.append(force)
+        return [found[1] - found[0]]
+
+    def forces(self, d: np.ndarray, fraction: float) -> np.ndarray | None:
+        """Internal forces of all components, imposed ones included, shape (n, 2); None if inverted.
+
+        At an imposed component of a converged step this is the force that holds it there.
+        """
+        every = self.discretization.layout.every_component
+        force = np.zeros(2 * len(d) + 1)
+        if not self._assemble(self.cells.table, d, fraction, every, force, np.empty(0)):
+            return None
+        return force[:-1].reshape(-1, 2)
+
+    def potential(self, d, response) -> float:
+        return self.energy(d, response.fraction)
+
+    def energy(self, d: np.ndarray, fraction: float) -> float:
+        """Strain energy per unit depth, mJ/m."""
+        deformation = self.deformation_of(d[None], [fraction])
+        weights, bulk = self.cells.column_weights, self.bulk_at([fraction])[0]
+        # W = sum_q w W(T, J) + sum_h K/2 V_h s_h^2, V_h = sum_q N_h w
+        volumetric = 0.5 * bulk[:, None] * self.squared_swelling(deformation)
+        return float((weights * (self.density(deformation) + volumetric)).sum())
+
+    def density(self, deformation: Deformation) -> np.ndarray:
+        """W at the quadrature points of one field, shape (n_columns, q)."""
+        out = np.empty(deformation.square.shape)
+        by_cell = self._by_cell(out)
+        for region, state in self._by_region(deformation):
+            own = self._conditions(region, deformation.fractions)
+            by_cell[:, region.at] = conditioned.energy(region.material, state, own.conditions)
+        return out[0]
+
+    def constant_densities(self, deformation: Deformation) -> np.ndarray:
+        """dW / d(every parameter) of one field, but for what is projected, shape (C, n_columns, q)."""
+        out = np.zeros((len(self.names), *deformation.square.shape))
+        by_cell = self._by_cell(out)
+        for region, state in self._by_region(deformation):
+            own = self._conditions(region, deformation.fractions)
+            rows = conditioned.constant_energies(region.material, state, own.conditions)
+            for name, row in zip(region.names, rows, strict=True):
+                by_cell[self.names.index(name)][:, region.at] += row
+            # dW/dp = dW/d(h, theta, m) . d(h, theta, m)/dp
+            for name, rates in own.rates.items():
+                slopes = conditioned.energy_rates(region.material, state, own.conditions)
+                by_cell[self.names.index(name)][:, region.at] += (slopes * rates).sum(axis=0)
+        return out[:, 0]
+
+    def energy_by_constants(self, deformation: Deformation) -> np.ndarray:
+        """dE / d(every parameter) of one field, shape (C,)."""
+        weights, fractions = self.cells.column_weights, deformation.fractions
+        # sum_q w dW/dp
+        out = np.einsum("ncq,cq->n", self.constant_densities(deformation), weights)
+        # dK*/dp sum_h V_h s_h^2 / 2
+        squares = (weights * self.squared_swelling(deformation)).sum(axis=1)
+        out += 0.5 * self.bulk_rates(fractions)[:, 0] @ squares
+        # K* c' sum_h V_h s_h
+        pressure = (weights * self.pressure(deformation)[0]).sum(axis=1)
+        for name, (_, offset) in self._volumetric(fractions).rates.items():
+            out[self.names.index(name)] += offset[0] @ pressure
+        return out
+
+    # ---- sensitivities ----
+
+    @cached_property
+    def basis(self) -> CellBasis:
+        return CellBasis(self.names, self.discretization)
+
+    def linearization(self, step, following=None, measured=True) -> LinearizedBody:
+        return LinearizedBody(self, step)
+
+    def states(self, steps) -> BodyStates:
+        """The body at converged steps, and its derivatives W_T, ..."""
+        d, fractions = np.array([step.d for step in steps]), [step.fraction for step in steps]
+        deformation = self.deformation_of(d, fractions)
+        return BodyStates(
+            self.cells.table, self.cells.column_weights, self.functions, self.bulk_at(fractions), d,
+            deformation, self.energy_derivatives(deformation),
+        )  # fmt: skip
+
+    def linearization_of_block(self, steps) -> BodyBlock:
+        return BodyBlock(self, steps)
+
+    def no_seeds(self, n_measures) -> BodySeeds:
+        nodal = n_measures, *self.discretization.particles.shape
+        return BodySeeds(np.zeros(n_measures), np.zeros(nodal))
