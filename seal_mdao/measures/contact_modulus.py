@@ -1,4 +1,4 @@
-"""Modulus of a half plane of the rubber at contact points, and its derivatives in the constants."""
+"""Modulus of a half plane of the rubber at contact points, and its derivatives in the parameters."""
 
 from functools import cached_property
 
@@ -20,6 +20,7 @@ class ContactModulus:
     def __init__(self, result, profile: str):
         self.where, self.structure = result.term(profile).where, result.term("structure")
         self.regions = self.structure.definition.regions
+        self.fraction = result.end.fraction
 
     @cached_property
     def shares(self) -> np.ndarray:
@@ -31,13 +32,28 @@ class ContactModulus:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """4 G at the contact points, shape (k,), kPa."""
-        return self.shares @ [4.0 * region.material.shear_modulus for region in self.regions]
+        """4 m G at the contact points, shape (k,), kPa."""
+        return self.shares @ [
+            4.0 * self._factor(region)[0] * region.material.shear_modulus for region in self.regions
+        ]
+
+    def _factor(self, region):
+        """Factor m of the moduli at the end of the path, and its derivatives by parameter."""
+        own = self.structure.conditions(region, [self.fraction])
+        if own.conditions is None:
+            return 1.0, {}
+        rates = {name: float(by_name[2].item()) for name, by_name in own.rates.items()}
+        return float(own.conditions.factor.item()), rates
 
     def add_partials(self, partials, row: int, by_modulus: np.ndarray) -> None:
-        """Add derivatives in the constants of a function with derivatives ``by_modulus`` (k,)."""
+        """Add derivatives in the parameters of a function with derivatives ``by_modulus`` (k,)."""
         for region, on_region in zip(self.regions, by_modulus @ self.shares, strict=True):
+            factor, rates = self._factor(region)
             # G = 2 W_T at T = 2, J = 1
             slopes = region.material.constant_derivatives(np.array(2.0), np.array(1.0))[:, 0]
             for name, slope in zip(region.names, slopes, strict=True):
-                partials.parameter(name)[row] += on_region * 8.0 * slope
+                partials.parameter(name)[row] += on_region * 8.0 * factor * slope
+            # 4 G dm/dp
+            for name, rate in rates.items():
+                stiffness = 4.0 * region.material.shear_modulus
+                partials.parameter(name)[row] += on_region * stiffness * rate

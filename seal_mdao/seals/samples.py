@@ -84,10 +84,16 @@ class Samples:
         d = self.path.steps[-1].d
         return np.concatenate([deformation_gradients(table, d) for table in self._tables])
 
+    @cached_property
+    def axial_stretch(self) -> float:
+        """Stretch along a plane section at the end of the path."""
+        body = self.path.problem.term("structure").definition
+        return body.axial_stretch(self.path.steps[-1].fraction)
+
     @property
     def volume_change(self) -> np.ndarray:
         """J = det F of all three stretches at the points, shape (N,)."""
-        return 1.0 + self._gradients[:, 4]
+        return (1.0 + self._gradients[:, 4]) * self.axial_stretch
 
     @cached_property
     def stretches(self) -> np.ndarray:
@@ -98,8 +104,11 @@ class Samples:
         t, j = (f[:, :4] ** 2).sum(axis=1), f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2]
         largest = np.sqrt(0.5 * (t + np.sqrt(np.maximum(t**2 - 4.0 * j**2, 0.0))))
         pair = np.column_stack([np.abs(j) / largest, largest])
-        # and the hoop stretch of a body of revolution
-        every = np.column_stack([pair, f[:, 5:]])
+        # and the stretch across the plane: of a body of revolution, or along the section
+        across = f[:, 5:]
+        if self.axial_stretch != 1.0:
+            across = np.full((len(f), 1), self.axial_stretch)
+        every = np.column_stack([pair, across])
         return np.column_stack([every.min(axis=1), every.max(axis=1)])
 
     @property

@@ -65,6 +65,11 @@ class ElasticBody(TermDefinition):
         grown = (r._replace(growth=r.growth.with_ends(ends)) for r in self.regions)
         return replace(self, regions=tuple(grown), environment=self.environment.with_ends(ends))
 
+    def axial_stretch(self, fraction: float) -> float:
+        """Evaluate the stretch along the section at a path parameter; 1 where none is given."""
+        ramp = None if self.environment is None else self.environment.axial_stretch
+        return 1.0 if ramp is None else float(ramp.at([fraction])[0])
+
     def on(self, discretization, index) -> "StructuralTerm":
         """The term on one design."""
         return StructuralTerm(self, discretization)

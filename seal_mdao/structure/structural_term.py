@@ -127,7 +127,7 @@ class StructuralTerm(Term):
         rows = self._by_cell(out)
         # every region by its own law
         for region, state in self._by_region(deformation):
-            own = self._conditions(region, deformation.fractions)
+            own = self.conditions(region, deformation.fractions)
             rows[:, :, region.at] = conditioned.derivatives(region.material, state, own.conditions)
         return out
 
@@ -139,7 +139,7 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            own = self._conditions(region, deformation.fractions)
+            own = self.conditions(region, deformation.fractions)
             # d(W_T, W_J)/dc; equal names are one parameter
             rows = conditioned.constant_derivatives(region.material, state, own.conditions)
             for name, row in zip(region.names, rows, strict=True):
@@ -155,7 +155,7 @@ class StructuralTerm(Term):
             out[self.names.index(name), 1] += (bulk * offset)[..., None]
         return out
 
-    def _conditions(self, region: Region, fractions) -> RegionConditions:
+    def conditions(self, region: Region, fractions) -> RegionConditions:
         """Conditions of a region at path parameters (K,); none without an environment."""
         if self.definition.environment is None:
             return NO_CONDITIONS
@@ -188,7 +188,7 @@ class StructuralTerm(Term):
             return ColumnsVolumetric(np.ones(shape), np.zeros(shape), {})
         out, rates = np.empty((2, *shape)), {}
         for number, region in enumerate(self.definition.regions):
-            own = self._conditions(region, fractions)
+            own = self.conditions(region, fractions)
             law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
             out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
             slopes = np.array([law.bulk_rates, law.offset_rates])
@@ -272,12 +272,12 @@ class StructuralTerm(Term):
     def von_mises(self, region: Region, state, fraction: float) -> np.ndarray:
         """Von Mises stress at states (T, J), or (T, J, h), of a region, and its derivatives in them,
         shape (3 or 4, ...)."""
-        own = at_points(self._conditions(region, [fraction]))
+        own = at_points(self.conditions(region, [fraction]))
         return conditioned.von_mises(region.material, state, own.conditions)
 
     def von_mises_rates(self, region: Region, state, fraction: float):
         """Yield the parameters of a region and d sigma_vm / d(each) at states of it."""
-        own = at_points(self._conditions(region, [fraction]))
+        own = at_points(self.conditions(region, [fraction]))
         rows = conditioned.von_mises_constants(region.material, state, own.conditions)
         yield from zip(region.names, rows, strict=True)
         # d sigma/dp = d sigma/d(h, theta, m) . d(h, theta, m)/dp
@@ -399,7 +399,7 @@ class StructuralTerm(Term):
         out = np.empty(deformation.square.shape)
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            own = self._conditions(region, deformation.fractions)
+            own = self.conditions(region, deformation.fractions)
             by_cell[:, region.at] = conditioned.energy(region.material, state, own.conditions)
         return out[0]
 
@@ -408,7 +408,7 @@ class StructuralTerm(Term):
         out = np.zeros((len(self.names), *deformation.square.shape))
         by_cell = self._by_cell(out)
         for region, state in self._by_region(deformation):
-            own = self._conditions(region, deformation.fractions)
+            own = self.conditions(region, deformation.fractions)
             rows = conditioned.constant_energies(region.material, state, own.conditions)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, region.at] += row

@@ -10,9 +10,21 @@ from ring_files import ring
 
 import seal_mdao as sm
 from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.seals.samples import Samples
 
 HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
-MEASURES = '[[measure]]\ntype = "strain_energy"\n[[measure]]\ntype = "von_mises"\n'
+MEASURES = """\
+[[measure]]
+type = "strain_energy"
+[[measure]]
+type = "von_mises"
+[[measure]]
+type = "leak_rate"
+rms_roughness = 150.0
+roll_off_wavelength = 500.0
+shortest_wavelength = 10.0
+pressure = 30.0
+"""
 NAMES = ("axial_stretch", "temperature", "expansion", "swelling", "c10", "bulk_modulus")
 
 
@@ -46,6 +58,7 @@ def foam(given: str) -> str:
     """The file with a foam in place of its rubber."""
     before, rest = given.split('law = "mooney_rivlin"', 1)
     after = rest.split("bulk_modulus", 1)[1].split("\n", 1)[1]
+    after = after.replace('type = "leak_rate"\n', 'type = "leak_rate"\nmodulus = 400.0\n')
     return f'{before}law = "hyperfoam"\nmu = [120.0]\nalpha = [3.0]\nnu = [0.2]\n{after}'
 
 
@@ -120,6 +133,19 @@ def test_a_rubber_without_heat_has_the_results_of_plane_strain(tmp_path):
     one, other = (result.path.steps[-1].d for result in results)
     np.testing.assert_array_equal(one, other)
     assert results[0].strain_energy == results[1].strain_energy
+
+
+def test_checks_know_the_stretch_along_the_section(tmp_path):
+    """Of a section that contracts freely: J = 1, and one of the principal stretches is the given one."""
+    given = LONG.replace("1.04", "1.9").replace("swelling = 1.06", "swelling = 1.0")
+    given = given.replace("temperature = 90.0", "temperature = 23.0")
+    given = given.replace("start = [0, 4.02]", "start = [0, 4.5]").replace("-0.5]", "-0.1]")
+    result = sm.analyze(sm.build_seal(read(tmp_path, given)))
+    samples = Samples(result.path)
+    free = samples.undeformed[:, 1] > 2.0
+    # K is 20 times the shear modulus
+    np.testing.assert_allclose(samples.volume_change[free], 1.0, atol=0.05)
+    np.testing.assert_allclose(samples.stretches[free, 1], 1.9, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
