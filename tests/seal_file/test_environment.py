@@ -143,8 +143,8 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
     result = sm.analyze(sm.build_seal(read(tmp_path, given)))
     samples = Samples(result.path)
     free = samples.undeformed[:, 1] > 2.0
-    # K is 20 times the shear modulus
-    np.testing.assert_allclose(samples.volume_change[free], 1.0, atol=0.05)
+    # J - 1 = p / K with stresses up to two shear moduli, K = 20 of them; det F is 0.53
+    np.testing.assert_allclose(samples.volume_change[free], 1.0, atol=0.1)
     np.testing.assert_allclose(samples.stretches[free, 1], 1.9, rtol=1e-12)
 
 
