@@ -1,12 +1,13 @@
 """Air trapped in a hole: its pressure is a function of the deformed volume.
 
-    p = p_a ((V0 / V)^gamma - 1),    R_j = -p dV/dx_j
+    p = p_a (a (V0 / V)^gamma - 1),    R_j = -p dV/dx_j,    a = (T / T_0) h^(-gamma)
 
-with p the excess over the pressure p_a outside and R the contribution to the residual. The volume V
-(``enclosed_volume``) is in plane strain the area A = 1/2 sum_j x_j x x_{j+1}, in a body of revolution
-that of the complete ring. The volume V0 of the undeformed hole depends on the design. The tangent
-couples neighbours, since the sides rotate, and has a part of rank one, gamma (p_a + p) / V g g^T with
-g = dV/dx, over the complete hole.
+with the absolute temperatures T now and T_0 at the start, and the stretch h along a plane section, with
+which the same air fills a longer hole (``structure.environment``). p is the excess over the pressure p_a
+outside, and R the contribution to the residual. The volume V (``enclosed_volume``) is in plane strain
+the area A = 1/2 sum_j x_j x x_{j+1}, in a body of revolution that of the complete ring. The volume V0 of
+the undeformed hole depends on the design. The tangent couples neighbours, since the sides rotate, and
+has a part of rank one, gamma (p_a + p) / V g g^T with g = dV/dx, over the complete hole.
 """
 
 from dataclasses import dataclass, replace
@@ -16,6 +17,12 @@ from scipy.sparse import coo_array, csr_array
 
 from seal_mdao import values
 from seal_mdao.loads.enclosed_volume import coupled_points, enclosed_volume, second_derivatives
+from seal_mdao.structure.environment import (
+    ABSOLUTE_ZERO,
+    AXIAL_STRETCH,
+    TEMPERATURE,
+    Environment,
+)
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points, single_points
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -43,6 +50,8 @@ class TrappedAir(TermDefinition):
         Absolute pressure p_a outside, and inside at the start, kPa.
     gamma : float
         Exponent: 1.4 adiabatic, 1 isothermal.
+    environment : Environment, optional
+        Temperature of the air, and stretch along the section, along the path.
 
     Raises
     ------
@@ -54,6 +63,7 @@ class TrappedAir(TermDefinition):
     ring: np.ndarray
     pressure: float = ATMOSPHERE
     gamma: float = ADIABATIC
+    environment: Environment | None = None
     n_columns = 1
 
     def __post_init__(self):
@@ -69,16 +79,24 @@ class TrappedAir(TermDefinition):
 
     @property
     def scalars(self) -> dict:
-        """Parameters: pressure outside and exponent."""
+        """Parameters: pressure outside and exponent, and those of the environment."""
         return {
             f"{self.label}_pressure": Scalar(self.pressure, "kPa", "Absolute pressure outside."),
             f"{self.label}_gamma": Scalar(self.gamma, None, "Exponent of the trapped air."),
-        }
+        } | ({} if self.environment is None else self.environment.scalars)
 
     def with_parameters(self, values: dict) -> "TrappedAir":
-        """Return the air with another pressure or exponent."""
-        own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
+        """Return the air with other parameters."""
+        prefix, around = f"{self.label}_", self.environment
+        own = {n.removeprefix(prefix): v for n, v in values.items() if n.startswith(prefix)}
+        if around is not None:
+            own["environment"] = around.with_parameters(values)
         return replace(self, **own)
+
+    def with_ends(self, ends) -> "TrappedAir":
+        """Return the air in other load steps, whose ``ends`` are in nominal steps."""
+        around = self.environment
+        return self if around is None else replace(self, environment=around.with_ends(ends))
 
     def point_set(self):
         """Return the particles around the hole."""
@@ -106,6 +124,7 @@ class TrappedAirTerm(CoupledTerm):
             definition.label, definition.scalars, definition.where, discretization, index
         )
         self.outside, self.gamma = definition.pressure, definition.gamma
+        self.environment = definition.environment
         self.axisymmetric = discretization.body.axisymmetric
         volume, by_index = enclosed_volume(self.reference, self.axisymmetric)
         self.orientation = 1.0 if volume > 0.0 else -1.0
@@ -126,18 +145,43 @@ class TrappedAirTerm(CoupledTerm):
         """Tangents -p d^2 V/dx dx of the pairs, shape (m, 2, 2)."""
         return -pressure * (self.orientation * second_derivatives(x, self.axisymmetric))
 
-    def _state(self, x):
+    def _heated(self, fraction) -> tuple[float, float, dict]:
+        """Compute ln(T / T_0), ln h, and the derivatives of ln a by parameter."""
+        hot, longer, rates = 0.0, 0.0, {}
+        around = self.environment
+        if around is not None and around.temperature is not None:
+            own, start = around.temperature, around.temperature.start - ABSOLUTE_ZERO
+            absolute = float(own.at([fraction])[0]) - ABSOLUTE_ZERO
+            hot, rates[TEMPERATURE] = np.log(absolute / start), own.rates([fraction])[0] / absolute
+        if around is not None and around.axial_stretch is not None:
+            h = float(around.axial_stretch.at([fraction])[0])
+            longer = np.log(h)
+            rates[AXIAL_STRETCH] = -self.gamma / h * around.axial_stretch.rates([fraction])[0]
+        return hot, longer, rates
+
+    def _state(self, x, fraction):
         """Compute volume, its gradient and excess pressure; None where the volume is not positive."""
         enclosed = self._enclosed(x)
         if enclosed is None:
             return None
         volume, by_index = enclosed
-        # p = p_a ((V0 / V)^gamma - 1)
-        pressure = self.outside * np.expm1(self.gamma * np.log(self.nominal_volume / volume))
-        return volume, by_index, pressure
+        hot, longer, _ = self._heated(fraction)
+        # p = p_a (a (V0 / V)^gamma - 1)
+        left = np.log(self.nominal_volume / volume) - longer
+        return volume, by_index, self.outside * np.expm1(hot + self.gamma * left)
+
+    def changes(self, step, response, target):
+        if self.environment is None:
+            return []
+        # dR = -(p(target) - p) g at fixed places
+        _, by_index, before = self._state(response.x, step.fraction)
+        change = self._state(response.x, target)[2] - before
+        force = np.zeros(self.discretization.layout.force_size)
+        self._add_force(-change * by_index, np.ones(len(by_index), np.int64), force)
+        return [force]
 
     def respond(self, x, fraction, history):
-        state = self._state(x)
+        state = self._state(x, fraction)
         if state is None:
             return None
         volume, by_index, pressure = state
@@ -151,22 +195,33 @@ class TrappedAirTerm(CoupledTerm):
 
     def potential(self, d, response) -> float:
         left, power = response.outputs[0, 1] / self.nominal_volume, 1.0 - self.gamma
-        # Pi = int_V^V0 p dV = p_a V0 [ (1 - v^(1 - gamma)) / (1 - gamma) - (1 - v) ],  v = V / V0;
-        # the first term tends to -ln v for gamma = 1
+        # a from the pressure: a = (p / p_a + 1) v^gamma,  v = V / V0
+        amount = (response.outputs[0, 0] / self.outside + 1.0) * left**self.gamma
+        amount = 1.0 if self.environment is None else amount
+        # Pi = int_V^V0 p dV = p_a V0 [ a (1 - v^(1 - gamma)) / (1 - gamma) - (1 - v) ];
+        # the first term tends to -a ln v for gamma = 1
         squeezed = -np.log(left) if power == 0.0 else np.expm1(power * np.log(left)) / -power
-        return float(self.outside * self.nominal_volume * (squeezed - (1.0 - left)))
+        return float(self.outside * self.nominal_volume * (amount * squeezed - (1.0 - left)))
 
     def linearize(self, response, fraction, history):
-        volume, by_index, pressure = self._state(response.x)
+        volume, by_index, pressure = self._state(response.x, fraction)
         k, (at_x, _, _, at_parameters, at_reference) = len(self.where), self.inputs
-        absolute, shrunk = self.outside + pressure, np.log(self.nominal_volume / volume)
+        _, longer, rates = self._heated(fraction)
+        absolute = self.outside + pressure
+        shrunk = np.log(self.nominal_volume / volume) - longer
         # the two outputs by what they depend on; the force turns with the places beside
         by_inputs = np.zeros((2, at_reference.stop))
         by_inputs[0, at_x] = -self.gamma * absolute / volume * by_index.ravel()
         by_inputs[0, at_reference] = (
             self.gamma * absolute / self.nominal_volume * self.by_reference.ravel()
         )
-        by_inputs[0, at_parameters] = pressure / self.outside, absolute * shrunk
+        # dp/dp_a, dp/dgamma, and (p_a + p) d ln a of temperature and stretch
+        by_names = dict.fromkeys(self.names, 0.0) | {
+            n: absolute * rate for n, rate in rates.items()
+        }
+        by_names[f"{self.label}_pressure"] = pressure / self.outside
+        by_names[f"{self.label}_gamma"] = absolute * shrunk
+        by_inputs[0, at_parameters] = [by_names[name] for name in self.names]
         by_inputs[1, at_x] = by_index.ravel()
         left = np.zeros((2 * k + 2, 2))
         left[: 2 * k, 0], left[2 * k :] = -by_index.ravel(), np.eye(2)

@@ -16,6 +16,8 @@ from seal_mdao.terms.term import Scalar
 
 AXIAL_STRETCH, TEMPERATURE = "axial_stretch", "temperature"
 EXPANSION, SWELLING = "expansion", "swelling"
+ABSOLUTE_ZERO = -273.15
+"""Degrees Celsius."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from quotients import quotients
 from ring_files import ring
 
 import seal_mdao as sm
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.samples import Samples
 
@@ -46,6 +47,42 @@ AROUND = heated(
     '[[measure]]\ntype = "reaction"\n' + MEASURES,
     "temperature = [60.0]",
 )
+
+
+AIR = """\
+[model]
+kinematics = "generalised_plane_strain"
+axial_stretch = 1.05
+temperature = 70
+[material.rubber]
+shore_a = 50
+expansion = 2e-4
+[section]
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[-4, 0], [4, 0]] },
+  { edge = "out", arc = { start = [4, 0], through = [0, 10], end = [-4, 0] } },
+]
+hole = [{ edge = "inside", circle = { centre = [0, 5], radius = 3 } }]
+[fixed]
+edges = ["base"]
+[[cavity]]
+hole = 1
+[[profile]]
+name = "lid"
+friction = 0.3
+contact = ["out"]
+line = [[-9, 10.1], [9, 10.1]]
+normal_penalty = 1e4
+tangent_penalty = 1e3
+stage = [{ translate = [0, -1.5], steps = 2 }]
+[[measure]]
+type = "reaction"
+profile = "lid"
+component = "y"
+[[measure]]
+type = "strain_energy"
+"""
 
 
 def read(folder, content):
@@ -105,6 +142,31 @@ def test_derivatives_are_those_of_the_path(seal, result, name, step):
         one = np.atleast_2d(direct[measure])[:, column]
         assert np.all(np.abs(one - quotient) <= bound), measure
         assert bound.max() <= 1e-5 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-4), measure
+
+
+def test_trapped_air_is_heated_and_stretched(tmp_path):
+    """(p_a + p) (h A)^gamma / T is constant on the path; its derivatives are those of the path."""
+    seal = replace(sm.build_seal(read(tmp_path, AIR)), newton=sm.NewtonOptions(tolerance=1e-12))
+    result = sm.analyze(seal, keep_factors=True)
+    result.require_converged()
+    environment, steps = seal.terms()[0].environment, (1, 2)
+    pressure, area = np.array([own.outputs[0] for own in result.path.at_nominal("air")]).T
+    stretch, hot = environment.axial_stretch.at(steps), environment.temperature.at(steps) + 273.15
+    constant = (101.325 + pressure) * (stretch * area) ** 1.4 / hot
+    nominal = abs(polygon_area(result.particles[seal.body.edge("inside").particles])[0])
+    np.testing.assert_allclose(constant, 101.325 * nominal**1.4 / 296.15, rtol=1e-12)
+    names = ("temperature", "axial_stretch", "air_gamma", "air_pressure", "expansion")
+    direct, adjoint = (
+        sm.differentiate(result, names, None, method) for method in ("direct", "adjoint")
+    )
+    for name in names:
+        column = direct.parameters.index(name)
+        found = quotients(seal, name, 1e-4 * seal.scalars[name].value)
+        for measure, (quotient, bound) in found.items():
+            one, other = (np.atleast_2d(own[measure])[:, column] for own in (direct, adjoint))
+            np.testing.assert_allclose(one, other, rtol=1e-10)
+            assert np.all(np.abs(one - quotient) <= bound), (name, measure)
+            assert bound.max() <= 1e-5 * np.abs(one).max(), (name, measure)
 
 
 def test_values_at_the_ends_of_stages(tmp_path):

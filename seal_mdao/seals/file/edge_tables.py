@@ -22,6 +22,7 @@ from seal_mdao.seals.file.friction_table import Friction
 from seal_mdao.seals.file.load_steps import MOST_STEPS
 from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.outline.section_body import SectionBody
+from seal_mdao.structure.environment import Environment
 from seal_mdao.terms.points import edge_points
 from seal_mdao.terms.term import TermDefinition
 
@@ -109,9 +110,11 @@ class CavityTable(Table):
         """Whether there are vents."""
         return self.vent_diameter is not None
 
-    def on(self, section: SectionBody) -> TrappedAir:
+    def on(self, section: SectionBody, environment: Environment | None = None) -> TrappedAir:
         """Bind the air to the particles around its hole; its time to the first profile that travels."""
-        sealed = TrappedAir(self.name, section.loops[self.hole], self.pressure, self.gamma)
+        sealed = TrappedAir(
+            self.name, section.loops[self.hole], self.pressure, self.gamma, environment
+        )
         if not self.vented:
             return sealed
         motions = (contact.motion for contact in section.contacts)

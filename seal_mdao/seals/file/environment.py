@@ -5,8 +5,8 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.loads.ramp import Ramp, ramp_of_stages
 from seal_mdao.materials.hoop_stretch import is_known
-from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, GENERALISED
-from seal_mdao.structure.environment import Environment, Growth
+from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED
+from seal_mdao.structure.environment import ABSOLUTE_ZERO, Environment, Growth
 from seal_mdao.values import formatted
 
 
@@ -68,11 +68,12 @@ def check_environment(file) -> None:
                 "temperature, swelling or axial_stretch; it needs the methods volumetric and "
                 "volumetric_constants"
             )
-    if file.cavities:
-        raise SealFileError(
-            "[[cavity]] 1: the air of a hole takes no part in a temperature, swelling or axial_stretch; "
-            "leave out either"
-        )
+    for number, cavity in enumerate(file.cavities, 1):
+        if cavity.vented:
+            raise SealFileError(
+                f"[[cavity]] {number}: the flow through vents takes no part in a temperature, swelling "
+                "or axial_stretch; leave out the vents, or the cavity where they are wide enough"
+            )
     for number, measure in enumerate(file.measures, 1):
         if measure.type == "friction_work":
             raise SealFileError(

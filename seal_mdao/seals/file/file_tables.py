@@ -204,7 +204,8 @@ class SealFile:
         # the fluid of the last stage rises with that of a profile that moves
         last = next(own.stages[-1].steps for own in self.moving if own.stages)
         # profiles, air, self-contact, fluids, terms of extensions
-        tables = [*(cleared(profile, self.section.outline) for profile in self.profiles)]
-        tables += [*self.cavities, *([] if self.self_contact is None else [self.self_contact])]
+        touching = [cleared(profile, self.section.outline).on for profile in self.profiles]
+        air = [partial(cavity.on, environment=self.environment) for cavity in self.cavities]
+        itself = [] if self.self_contact is None else [self.self_contact.on]
         fluids = [partial(fluid.on, last=last) for fluid in self.fluids]
-        return [own.on for own in tables] + fluids + [term.on for term in self.terms]
+        return touching + air + itself + fluids + [term.on for term in self.terms]

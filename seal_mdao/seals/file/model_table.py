@@ -10,12 +10,11 @@ from seal_mdao.seals.file.clearance import LOOK, ROUNDING
 from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
+from seal_mdao.structure.environment import ABSOLUTE_ZERO
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
 GENERALISED = "generalised_plane_strain"
 ENTROPIC = "entropic"
-ABSOLUTE_ZERO = -273.15
-"""Degrees Celsius."""
 RADIAL, AXIAL = 0, 1
 """Components of displacement: across the axis, where it is zero on it, and along it."""
 
