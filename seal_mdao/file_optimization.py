@@ -74,7 +74,7 @@ def _limit(where: str, constraint, start: dict) -> Limit:
     return Limit(name, **bounds, ref=size if size.ndim else float(size))
 
 
-def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
+def on_new_cloud(design: SealFile, filling, layers: int = LAYERS, edge_spacing=None) -> SealResult:
     """A design analysed with new particles: what its numbers owe to those that it was optimised with.
 
     Parameters
@@ -85,6 +85,8 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
         Spacing of the new cloud, mm, or its rays.
     layers : int
         Of particles across a wall at least, with a spacing.
+    edge_spacing : dict, optional
+        Largest distances along edges by their names, mm, with a spacing.
 
     Raises
     ------
@@ -93,7 +95,9 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS) -> SealResult:
     """
     # given places are particles of the old cloud
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
-    section = replace(design.section, spacing=filling, layers=layers)
+    section = replace(
+        design.section, spacing=filling, layers=layers, edge_spacing=edge_spacing or {}
+    )
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 

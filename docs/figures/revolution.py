@@ -12,6 +12,7 @@ TITLES = {
     "ring_squeezed": "O-ring: 10, 20 %",
     "ring_sleeve": "sleeve: 10, 25 %",
     "ring_foam": "bonded foam disc, 5 mm thick: 10, 20 %",
+    "shaft_lip": "lip on a shaft: 0.6 mm",
 }
 """Bodies and their compression at the ends of the stages."""
 
@@ -28,7 +29,7 @@ def _elements() -> dict:
         for spacing in spacings:
             own = stored("ring_error", name=name, spacing=spacing)
             # the pressure at the corners of the sleeve is singular
-            peak = own["peak"] if name == "ring_squeezed" else []
+            peak = own["peak"] if name in ("ring_squeezed", "shaft_lip") else []
             rows.append([
                 TITLES[name], f"{spacing:g} mm, {own['particles']}", _listed(own["force"]),
                 _listed(peak) or NONE, _listed(own["uncertainty"]),

@@ -217,7 +217,7 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
         # read the written file: the check a user would make
         design, section = sm.read_seal_file(paths[0]), file.section
         # discretisation error of the optimum: same outline, new particles
-        result = on_new_cloud(design, section.spacing, section.layers)
+        result = on_new_cloud(design, section.spacing, section.layers, section.edge_spacing)
     except (sm.GeometryError, sm.SealFileError) as error:
         return f"{said} (not analysed with new particles: {error})", None
     if not result.converged:

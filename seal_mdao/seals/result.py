@@ -15,6 +15,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import LoadPathError
+from seal_mdao.measures.contact_pressure import unresolved_peaks
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
@@ -108,8 +109,8 @@ class SealResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Faults of the end of a completed path, one line each (``seals.checks``), penalty errors, and
-        the warnings of the seal.
+        """Faults of the end of a completed path, one line each (``seals.checks``), penalty errors,
+        unresolved peaks of the contact pressure, and the warnings of the seal.
 
         Empty for a path that was not completed.
         """
@@ -117,7 +118,8 @@ class SealResult:
             return ()
         # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
-        return (*found, *penalty_error.warnings_of(self), *self.seal.warnings)
+        errors = (*penalty_error.warnings_of(self), *unresolved_peaks(self))
+        return (*found, *errors, *self.seal.warnings)
 
     @property
     def trustworthy(self) -> bool:

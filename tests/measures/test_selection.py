@@ -5,6 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
+from seal_mdao.measures.contact_pressure import points_around_peak
 from seal_mdao.measures.selection import boundary_peaks, local_maxima, open_points
 from seal_mdao.seals.door.door_seal import STANDARD, options_of
 from seal_mdao.seals.profiles import contact_counts
@@ -187,3 +188,16 @@ def test_places_of_another_seal_are_taken_as_given(monkeypatch, nominal):
 def test_what_is_no_measure_is_no_attribute(nominal):
     with pytest.raises(AttributeError, match=r"no 'gap_sum'.*von_mises"):
         _ = nominal.gap_sum
+
+
+@pytest.mark.parametrize(
+    ("gap", "count"),
+    [
+        ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], 2),
+        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], 4),  # a closed boundary, around its first point
+        ([-0.1, -0.2, -0.1], 3),
+        ([0.1, 0.0], 0),
+    ],
+)
+def test_points_around_the_highest_pressure(gap, count):
+    assert points_around_peak(np.array(gap)) == count

@@ -142,6 +142,18 @@ def test_sampled_points_are_on_the_boundary_at_the_spacing(spacing):
     assert np.abs(corner - [(0.0, -1.0), (1.0, 0.0)]).max() < 1e-15  # from the side to the base
 
 
+@pytest.mark.parametrize("spacing", [0.9, lambda x: np.full(len(x), 0.9)])
+def test_named_edges_are_sampled_more_finely(spacing):
+    """The sides of a circle of radius 4.5 mm are at most 0.2 mm long, the others as without it."""
+    outline = bulb(circle((0.0, 7.0), 4.5))
+    plain, fine = sampled(outline, spacing), sampled(outline, spacing, {"cavity": 0.2})
+    assert len(fine[1].points) == np.ceil(2.0 * np.pi * 4.5 / 0.2)
+    np.testing.assert_array_equal(fine[0].points, plain[0].points)
+    # no coarser than the spacing
+    _, same = sampled(outline, spacing, {"cavity": 2.0})
+    np.testing.assert_array_equal(same.points, plain[1].points)
+
+
 def test_a_coarse_spacing_still_follows_the_curve():
     assert len(sampled(bulb(circle((0.0, 7.0), 0.5)), 5.0)[1].points) == 8
 

@@ -101,6 +101,7 @@ REFINED_STEPS = {
 RINGS = {
     "ring_disc_2": (0.2,), "ring_disc_5": (0.4, 0.3), "ring_squeezed": (0.3, 0.2, 0.15),
     "ring_sleeve": (0.4, 0.3, 0.2), "ring_foam": (0.4, 0.3),
+    "shaft_lip": (0.5, 0.375, 0.25),
 }  # fmt: skip
 """Spacings of bodies of revolution, mm; those of the files are the first, of the O-ring the second."""
 DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}

@@ -17,6 +17,7 @@ from seal_mdao.seals.profiles import leading_motion, profile_histories
 from seal_mdao.seals.result import analyze
 
 REFERENCES = Path(__file__).parent / "references"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}
 """Thicknesses of the bonded discs, mm."""
 RADIUS = 10.0
@@ -46,22 +47,29 @@ def reference(name: str) -> dict:
 
 @cache
 def ring_result(name: str, spacing: float | None = None):
-    """Analyze the seal file of a case, at its own spacing or another, mm."""
-    file = read_seal_file(REFERENCES / f"{name}.toml")
+    """Analyze the seal file of a case, or the example, at its own spacing or another, mm.
+
+    Spacings of edges change in proportion.
+    """
+    path = REFERENCES / f"{name}.toml"
+    file = read_seal_file(path if path.exists() else EXAMPLES / path.name)
     if spacing is not None:
-        file = replace(file, section=replace(file.section, spacing=spacing))
+        own, section = file.section.edge_spacing, file.section
+        finer = {edge: h * spacing / section.spacing for edge, h in own.items()}
+        file = replace(file, section=replace(section, spacing=spacing, edge_spacing=finer))
     result = analyze(build_seal(file))
     result.require_converged()
     return result
 
 
 def stage_forces(result) -> np.ndarray:
-    """Force along the axis at the ends of the stages, N."""
-    ends = leading_motion(result.seal).ends
+    """Force along the motion, of the axis or the radius, at the ends of the stages, N."""
+    motion = leading_motion(result.seal)
+    ends, along = motion.ends, int(np.ptp(motion.positions, axis=0).argmax())
     steps = [int(np.abs(ends - k).argmin()) for k in range(1, round(ends[-1]) + 1)]
     # that of a profile, or of the moved edges of a bonded disc
     labels = [own.label for own in profile_histories(result)] or ["plate"]
-    return np.abs(result.path.reaction(labels[0])[steps, 1])
+    return np.abs(result.path.reaction(labels[0])[steps, along])
 
 
 def stage_peaks(result, count: int) -> np.ndarray:

@@ -8,6 +8,7 @@ from ring_files import PLANE, under_a_lid
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import Edge
+from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import boundary_particles
@@ -29,6 +30,7 @@ from verification.revolution import (
 )
 from verification.rings import (
     DISCS,
+    EXAMPLES,
     apparent_modulus,
     gent_lindley_modulus,
     ring_errors,
@@ -220,6 +222,7 @@ STAGES = {
     "ring_squeezed": (0, 1),
     "ring_sleeve": (0, 1),
     "ring_foam": (0, 1),
+    "shaft_lip": (0,),
 }
 """Stages of which the finite elements are certain to 0.3 %."""
 
@@ -255,6 +258,32 @@ def test_peak_pressure_of_an_o_ring(spacing, figure):
     peaks change by 0.4 % with their last refinement, what is left of it after twice that."""
     peak = np.abs(ring_errors("ring_squeezed", spacing).peak).max()
     figure(f"ring_squeezed, {spacing or 'own'} spacing: peak pressure", peak, 1e-2)
+
+
+@pytest.mark.parametrize(
+    "spacing", [None, *(pytest.param(own, marks=pytest.mark.long) for own in (0.375, 0.25))]
+)
+def test_lip_on_a_shaft(spacing, figure):
+    """Force and peak pressure of the example, from six sides along the contact on."""
+    errors = ring_errors("shaft_lip", spacing)
+    # the finite elements' peak changes by 0.1 % with their last refinement
+    name, (force,), (peak,) = f"shaft_lip, {spacing or 'own'} spacing", errors.force, errors.peak
+    figure(f"{name}: force", abs(force), TOLERANCES["shaft_lip"])
+    figure(f"{name}: peak pressure", abs(peak), TOLERANCES["shaft_lip_peak"])
+
+
+def test_a_peak_between_few_points_is_reported():
+    """Without the spacing of its edge the lip has two points in contact: the force is right, the peak
+    is not, and a warning says so."""
+    fine = ring_result("shaft_lip")
+    assert fine.warnings == ()
+    file = read_seal_file(EXAMPLES / "shaft_lip.toml")
+    plain = replace(file, section=replace(file.section, edge_spacing={}))
+    coarse = sm.analyze(sm.build_seal(plain))
+    assert abs(stage_forces(coarse)[0] / stage_forces(fine)[0] - 1.0) < TOLERANCES["shaft_lip"]
+    assert coarse.value("peak_pressure")[0] < 0.9 * fine.value("peak_pressure")[0]
+    (warning,) = coarse.warnings
+    assert "peak pressure of 'shaft' lies among only 2 points in contact" in warning
 
 
 @pytest.mark.parametrize("name", DISCS)

@@ -45,6 +45,8 @@ TOLERANCES = {
     "ring_squeezed": 5e-3,
     "ring_sleeve": 1e-2,
     "ring_foam": 5e-3,
+    "shaft_lip": 5e-3,
+    "shaft_lip_peak": 2e-2,
     # Gent and Lindley's formula is an approximation, and so is its bulk modulus in series
     "gent_lindley": 4e-2,
     # twenty times rounding and the condition of the seal's tangents, 2e5

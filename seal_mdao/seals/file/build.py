@@ -109,7 +109,7 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
     # the section and its cloud, then the terms along its edges, then the measures
     section = file.section
     try:
-        boundaries = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
+        boundaries = section_boundaries(section)
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
             contributions=[*file.contributions, *file.motions],
@@ -146,13 +146,24 @@ def _measures(file: SealFile, seal: OutlineSeal):
             raise SealFileError(f"{where}: {error}") from error
 
 
+def section_boundaries(section) -> tuple:
+    """Sample the boundary particles of ``[section]`` by ``boundaries_of``."""
+    return boundaries_of(
+        section.outline, section.spacing, section.cuts, section.layers, section.edge_spacing
+    )
+
+
 def boundaries_of(
-    outline: Outline, spacing: float | Rays | OutlineCloud, cuts=(), layers: int = LAYERS
+    outline: Outline,
+    spacing: float | Rays | OutlineCloud,
+    cuts=(),
+    layers: int = LAYERS,
+    edge_spacing: dict | None = None,
 ) -> tuple:
     """Sample boundary particles, finer where a wall is thin, and the spacing of those inside, mm.
 
-    ``cuts`` are those of ``cloud``, ``layers`` those of particles across a wall. Rays and clouds are
-    returned unchanged.
+    ``cuts`` are those of ``cloud``, ``layers`` those of particles across a wall, ``edge_spacing``
+    smaller distances along edges by their names, mm. Rays and clouds are returned unchanged.
 
     Raises
     ------
@@ -167,7 +178,8 @@ def boundaries_of(
 
     def sample(at):
         # every other point is put on the curve in the middle of a side of twice the spacing
-        return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
+        limits = {edge: 2.0 * h for edge, h in (edge_spacing or {}).items()}
+        return doubled(outline, sampled(outline, lambda places: 2.0 * at(places), limits))
 
     return graded(sample, spacing, cuts, layers)
 
@@ -184,7 +196,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
     """
     # the same boundary particles as those of the seal, then where they are in the design
     section = file.section
-    boundaries, _ = boundaries_of(section.outline, section.spacing, section.cuts, section.layers)
+    boundaries, _ = section_boundaries(section)
     particles = seal.particles(offsets)
     return shifted_outline(section.outline, boundaries, [particles[loop] for loop in seal.loops])
 

@@ -20,7 +20,8 @@ HEAD = """# A design of {name} with the particles that it was computed with; for
 # in place of cloud.
 """
 DRAWN = (
-    "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "layers", "rays", "cloud"
+    "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "layers",
+    "edge_spacing", "rays", "cloud",
 )  # fmt: skip
 """Keys of a section that the drawing and the cloud replace."""
 

@@ -128,4 +128,8 @@ Points = Annotated[
     many(Point, "a list of at least two points [[x, y], [x, y], ...] (mm)", 2, MOST_POINTS),
     BeforeValidator(_not_too_many),
 ]
+Distances = Annotated[
+    dict[str, number("mm", above=0.0)],
+    Form("names with numbers above 0 (mm), such as { lip = 0.03 }"),
+]
 Penalty = number("kPa/mm", above=0.0, most=1e12)

@@ -1,7 +1,7 @@
 """``[section]``: the outline from its segments or from a drawing, what fills it, its materials."""
 
 from collections import defaultdict
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.forms import Point, Points, Text, many, number, one_of, whole
+from seal_mdao.seals.file.forms import Distances, Point, Points, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.chain import ROUNDING
@@ -18,7 +18,7 @@ from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import Drawing, read_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud
+from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.wall_grid import SCHEMES
@@ -104,6 +104,9 @@ class WrittenSection(Table):
     layers: whole(3, MOST_LAYERS) | None = key(
         f"with spacing: least number of particles across a wall, default {LAYERS}", None
     )
+    edge_spacing: Distances | None = key(
+        "with spacing: smaller largest distances of the particles along named edges", None
+    )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
     cloud: Text | None = key("instead of spacing: mesh file, relative to this file", None)
     outer: rows(OuterTable) | None = key("segments of the outside", None)
@@ -149,6 +152,8 @@ class WrittenSection(Table):
             raise ValueError("[[section.region]] beside rays; use spacing")
         if self.layers is not None and self.spacing is None:
             raise ValueError("layers belongs to spacing; rays and a cloud have their own")
+        if self.edge_spacing is not None and self.spacing is None:
+            raise ValueError("edge_spacing belongs to spacing; rays and a cloud have their own")
         return self
 
     def read(self, folder: Path, materials: tuple) -> "SectionTable":
@@ -187,7 +192,7 @@ class WrittenSection(Table):
         layers = LAYERS if self.layers is None else self.layers
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, regions, layers, drawing.parting,
-            drawing.notice,
+            drawing.notice, self.edge_spacing or {},
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -229,6 +234,8 @@ class SectionTable:
         Lines between regions that a drawing has, mm.
     notice : str
         Line that says what of the drawing was left out; empty for nothing.
+    edge_spacing : dict
+        Largest distance of particles along edges by their names, mm, beside ``spacing``.
     """
 
     outline: Outline
@@ -240,6 +247,7 @@ class SectionTable:
     layers: int = LAYERS
     parting: tuple = ()
     notice: str = ""
+    edge_spacing: dict[str, float] = field(default_factory=dict)
 
     @property
     def cuts(self) -> list:
@@ -305,6 +313,7 @@ def check_section(file) -> None:
     known("[section]", "material", section.material, tuple(file.materials), "material")
     if isinstance(section.spacing, float):
         _check_spacing(section.spacing, outline)
+        _check_edge_spacing(section)
     # constants of a material have its name, so every part has another one
     seen = {section.material: "[section]"}
     for number_, region in enumerate(section.regions, 1):
@@ -336,6 +345,25 @@ def _check_spacing(spacing, outline) -> None:
             f"[section]: spacing = {spacing:g}, which needs more than {MOST_PARTICLES} particles; it "
             f"must be at least {least:.3g}" + hint
         )
+
+
+def _check_edge_spacing(section) -> None:
+    """Refuse unknown edges, and distances that refine nothing or need too many particles."""
+    segments = [s for contour in section.outline.contours for s in contour.segments]
+    for edge, h in section.edge_spacing.items():
+        known("[section]", "edge_spacing", edge, sorted({s.edge for s in segments}), "edge")
+        if h >= section.spacing:
+            raise SealFileError(
+                f"[section]: edge_spacing: {edge} = {h:g}, which must be less than spacing = "
+                f"{section.spacing:g}"
+            )
+        # int dA / (h + SLOPE d)^2 over the distance d from an edge of length L:  L / (SLOPE h)
+        least = sum(s.length for s in segments if s.edge == edge) / SLOPE / MOST_PARTICLES
+        if h < least:
+            raise SealFileError(
+                f"[section]: edge_spacing: {edge} = {h:g}, which needs more than {MOST_PARTICLES} "
+                f"particles; it must be at least {least:.3g}"
+            )
 
 
 def _check_region(where, region, section) -> None:

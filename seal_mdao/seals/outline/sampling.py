@@ -48,7 +48,9 @@ class Boundary(NamedTuple):
     tangent: np.ndarray
 
 
-def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> list[Boundary]:
+def sampled(
+    outline, spacing: float | Callable[[np.ndarray], np.ndarray], limits: dict | None = None
+) -> list[Boundary]:
     """Sample points along every contour, outer contour first; ends of segments always are points.
 
     Parameters
@@ -56,15 +58,27 @@ def sampled(outline, spacing: float | Callable[[np.ndarray], np.ndarray]) -> lis
     outline : Outline
     spacing : float or callable
         Largest distance along the boundary, mm; or a function that gives it at points (k, 2).
+    limits : dict, optional
+        Largest distances along edges by their names, mm, where ``spacing`` gives more.
 
     Raises
     ------
     ValueError
         For a spacing that is not positive.
     """
+
+    def of(edge):
+        """Spacing along an edge."""
+        if not limits or edge not in limits:
+            return spacing
+        least = limits[edge]
+        return (
+            (lambda x: np.minimum(spacing(x), least)) if callable(spacing) else min(spacing, least)
+        )
+
     found = []
     for contour in outline.contours:
-        fractions = [_fractions(segment, spacing)[:-1] for segment in contour.segments]
+        fractions = [_fractions(segment, of(segment.edge))[:-1] for segment in contour.segments]
         number = np.repeat(np.arange(len(fractions)), [s.size for s in fractions])
         found.append(boundary_at(contour.segments, number, np.concatenate(fractions)))
     return found

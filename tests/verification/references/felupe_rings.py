@@ -9,7 +9,8 @@ names::
 Elements, rubber and contact are those of ``felupe_contact``, with ``felupe.FieldAxisymmetric`` in
 place of plane strain. Meshes have the axial coordinate first, the radius second, as FElupe wants them;
 sections are drawn with the radius x first. The upper half of a ring is computed; y = 0 is a plane of
-symmetry. Lengths in mm, stresses in kPa, forces of the complete ring in N.
+symmetry. The lip is complete and fixed at its largest radius; its plate is a shaft whose radius grows.
+Lengths in mm, stresses in kPa, forces of the complete ring in N.
 
 Contact pressure is nominal, at the nodes between elements as in ``felupe_pressure``,
 
@@ -17,6 +18,7 @@ Contact pressure is nominal, at the nodes between elements as in ``felupe_pressu
 """
 
 import sys
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -26,13 +28,14 @@ import felupe.constitution.tensortrax as mat
 import numpy as np
 from felupe_contact import CODE, SOFT, Case, Pressure, asked, on_arc, save, travels
 from felupe_pressure import ELASTIC_SLIP, chained, outer_sides, rounded
-from felupe_sections import fine_disc, mesh_of
+from felupe_sections import fine_disc, mesh_of, outlined
 from pypardiso import spsolve
 
 METHOD = (
     "biquadratic displacement, linear discontinuous pressure and volume ratio, axisymmetric; nodes "
     "against a rigid plane with stiff penalties, Coulomb friction by return mapping; upper half"
 )
+LIP_METHOD = METHOD.replace("upper half", "complete section")
 FOAM_METHOD = "biquadratic displacement, axisymmetric; upper half"
 FOAM_CODE = "FElupe 11.3.0 (SolidBody of Hyperelastic storakers), tensortrax 0.29.0"
 AXIAL, RADIAL = 0, 1
@@ -103,6 +106,33 @@ SQUEEZED = {
         [0.6, 0.4, 0.28], friction=0.5, n_steps=30,
     ),
 }  # fmt: skip
+EXAMPLES = Path(__file__).parents[3] / "examples"
+SHORE_70 = {"c10": 920.0844636429829, "c01": 0.0, "bulk_modulus": 1e6}
+"""kPa: C10 = E / 6 of Gent's E = 0.0981 (56 + 7.62336 S) / (0.137505 (254 - 2.54 S)) MPa."""
+CORNERS = [(30.0, 0.0), (30.0, 2.5), (27.5, 2.5), (27.4, 0.6), (24.2, 6.0), (23.0, 5.2)]
+"""Where the stress of the lip is singular, or high."""
+
+
+def lip(name, centre, radius, start, travel, sizes):
+    """Case of the lip of an example on a shaft of radius ``start``; its arc touches."""
+    file = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))
+    mesh = outlined(file["section"]["outer"], CORNERS)
+    return Case(
+        section="radial lip seal on a shaft that grows along the radius",
+        draw=lambda size: mesh_of(mesh, size), rubber=SHORE_70, friction=0.2, travel=travel,
+        top=start, prescribed="xy", touched=lambda x, y: on_arc(x - centre[0], y - centre[1], radius),
+        sizes=sizes, travel_factor=-1.0, normal_penalty=1e9, elastic_slip=ELASTIC_SLIP, n_steps=60,
+    )  # fmt: skip
+
+
+SQUEEZED["shaft_lip"] = lip(
+    "shaft_lip",
+    (19.996363011, 6.718787671),
+    0.269819141,
+    19.72,
+    [0.61],
+    [0.012, 0.008, 0.0055, 0.004],
+)
 BONDED = {
     f"ring_disc_{thickness}": (
         thickness,
@@ -126,13 +156,19 @@ BONDED["ring_foam"] = (
 )  # fmt: skip
 
 
+def motion(case):
+    """Component in which the plate moves: a shaft's is the radius."""
+    return RADIAL if case.prescribed == "xy" else AXIAL
+
+
 def model_of(case, mesh):
     """Fields, body, boundaries and the plate of a mesh (R, y); the plate is the last point."""
     points = mesh.points
     touched = np.flatnonzero(case.touched(*points.T))
     turned = fem.Mesh(points[:, ::-1], mesh.cells[:, FLIPPED], "quad9")
     # beside the axis, where the radius is not zero, and away from the section
-    turned.add_points([case.top, 1.0])
+    shaft = motion(case) == RADIAL
+    turned.add_points([1.0, case.top] if shaft else [case.top, 1.0])
     region = fem.RegionBiQuadraticQuad(turned)
     n, k = turned.ncells, case.pressure_modes
     of_pressure = fem.Mesh(np.zeros((k * n, 2)), np.arange(k * n).reshape(n, k), "pressure")
@@ -152,15 +188,18 @@ def model_of(case, mesh):
         law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
         solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
     plate = fem.ContactRigidPlane(
-        fields, touched, -1, normal=[-1.0, 0.0], friction=case.friction,
+        fields, touched, -1, normal=[0.0, 1.0] if shaft else [-1.0, 0.0], friction=case.friction,
         multiplier=case.normal_penalty, multiplier_tangential=case.tangent_penalty,
         elastic_slip=case.elastic_slip,
     ) if touched.size else None  # fmt: skip
     x, y = points.T
-    masks = {"axis": (x < 1e-9, RADIAL), "middle": (y < 1e-9, AXIAL)}
+    if shaft:
+        masks = {f"case {axis}": (x > x.max() - 1e-9, axis) for axis in (AXIAL, RADIAL)}
+    else:
+        masks = {"axis": (x < 1e-9, RADIAL), "middle": (y < 1e-9, AXIAL)}
     masks = {name: (np.append(own, False), axis) for name, (own, axis) in masks.items()}
     last = np.append(np.zeros(len(x), bool), True)
-    masks |= {"side": (last, RADIAL), "move": (last, AXIAL)}
+    masks |= {"side": (last, 1 - motion(case)), "move": (last, motion(case))}
     bounds = {
         name: fem.Boundary(u, mask=mask, skip=(axis != AXIAL, axis != RADIAL))
         for name, (mask, axis) in masks.items()
@@ -175,7 +214,7 @@ def follow(case, items, fields, bounds, moved, path, keep):
     node = bounds[moved].points[0]
 
     def after(context, state):
-        keep(-fields[0].values[node, AXIAL] / case.travel_factor)
+        keep(-fields[0].values[node, motion(case)] / case.travel_factor)
 
     try:
         fem.Job([step], plugins=[fem.CutbackPlugin(max_cutbacks=6), after]).evaluate(
@@ -217,7 +256,7 @@ def squeezed(case, size):
     def keep(travel):
         if not asked(case, travel):
             return
-        force = np.abs(plate.results.force.toarray()[2 * nodes + AXIAL, 0])
+        force = np.abs(plate.results.force.toarray()[2 * nodes + motion(case), 0])
         # H_i is 1/2 at the middles of the elements
         by_hats = force[::2].copy()
         by_hats[:-1] += 0.5 * force[1::2]
@@ -266,11 +305,12 @@ def change(one, other, key):
 def written(case, found):
     """Entries that say what was computed, with those ``found``."""
     foam = case.rubber is FOAM
+    method = LIP_METHOD if motion(case) == RADIAL else METHOD
     about = {"section": case.section}
     about["rubber"] = {"law": "hyperfoam" if foam else "mooney_rivlin", **case.rubber}
     about |= {"friction": case.friction, "travel_mm": case.travel}
     about |= (
-        {"method": FOAM_METHOD, "code": FOAM_CODE} if foam else {"method": METHOD, "code": CODE}
+        {"method": FOAM_METHOD, "code": FOAM_CODE} if foam else {"method": method, "code": CODE}
     )
     return about | rounded(found)
 

@@ -163,6 +163,57 @@ def fine_ring(outer, inner):
     return draw
 
 
+def outlined(segments, corners):
+    """Section inside line and arc ``segments`` of a seal file, refined at its arcs and at corners.
+
+    Elements of ``size`` lie along arcs, of four times that at ``corners``; they grow with a quarter of
+    the distance from there, up to thirty times ``size``.
+    """
+
+    def draw(size):
+        grid, known, curves, arc = Grid(), {}, [], []
+
+        def at(xy):
+            return known.setdefault(tuple(xy), grid.point(*xy))
+
+        for own in segments:
+            if "line" in own:
+                curves += [
+                    gmsh.model.geo.addLine(at(a), at(b))
+                    for a, b in zip(own["line"], own["line"][1:], strict=False)
+                ]
+                continue
+            start, through, end = (np.array(own["arc"][key]) for key in ("start", "through", "end"))
+            # centre of the circle: (p - start) . (centre - start) = |p - start|^2 / 2
+            sides = np.array([through - start, end - start])
+            centre = start + np.linalg.solve(sides, 0.5 * (sides**2).sum(axis=1))
+            curves.append(gmsh.model.geo.addCircleArc(at(start), grid.point(*centre), at(end)))
+            arc += curves[-1:]
+        gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(curves)])
+        gmsh.model.geo.synchronize()
+        field = gmsh.model.mesh.field
+        for tag, kind, tags, least in (
+            (1, "CurvesList", arc, size), (2, "PointsList", [at(xy) for xy in corners], 4.0 * size),
+        ):  # fmt: skip
+            field.add("Distance", tag)
+            field.setNumbers(tag, kind, tags)
+            field.setNumber(tag, "Sampling", 200)
+            field.add("MathEval", 10 + tag)
+            field.setString(10 + tag, "F", f"2 * ({least} + 0.25 * F{tag})")
+        field.add("Min", 20)
+        field.setNumbers(20, "FieldsList", [11, 12])
+        field.setAsBackgroundMesh(20)
+        for option, value in (
+            # quadrilaterals only, by halving those of twice the size
+            ("RecombinationAlgorithm", 2), ("SubdivisionAlgorithm", 1), ("Algorithm", 8),
+            ("MeshSizeFromPoints", 0), ("MeshSizeFromCurvature", 0),
+            ("MeshSizeExtendFromBoundary", 0), ("MeshSizeMax", 60.0 * size),
+        ):  # fmt: skip
+            gmsh.option.setNumber(f"Mesh.{option}", value)
+
+    return draw
+
+
 def mesh_of(draw, size):
     """Biquadratic quadrilaterals of what ``draw(size)`` makes, curved at its boundary."""
     gmsh.initialize()
