@@ -5,7 +5,8 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.loads.ramp import Ramp, ramp_of_stages
 from seal_mdao.materials.hoop_stretch import is_known
-from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, GENERALISED
+from seal_mdao.seals.conditions import ABSOLUTE_ZERO, HOTTEST
+from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.values import formatted
 
@@ -27,9 +28,12 @@ def growth_of(file, name: str) -> Growth:
     """Make the growth of the material ``name`` of a ``SealFile``."""
     own, factors = file.material_tables[name], None
     if own.modulus_over_temperature == ENTROPIC:
-        # m = T / T_0 of absolute temperatures, a line through two points
+        # m = T / T_0 of absolute temperatures, a line through (T_0, 1) over all temperatures
         start = file.model.reference_temperature
-        factors = np.array([[start, 1.0], [start + 1.0, 1.0 + 1.0 / (start - ABSOLUTE_ZERO)]])
+        zero, hottest = ABSOLUTE_ZERO, max(HOTTEST, start + 1.0)
+        factors = np.array(
+            [[zero, 0.0], [start, 1.0], [hottest, (hottest - zero) / (start - zero)]]
+        )
     elif own.modulus_over_temperature is not None:
         factors = np.array(own.modulus_over_temperature)
     swelling = _ramp(file, f"[material.{name}]: swelling", 1.0, own.swelling)
@@ -92,6 +96,7 @@ def _check_axial_stretch(file) -> None:
         raise SealFileError(
             f'[model]: axial_stretch = {formatted(given)} is for kinematics = "{GENERALISED}", not '
             f'"{kind}"'
+            + ("; a ring is stretched by a profile that moves along x" if file.axisymmetric else "")
         )
 
 

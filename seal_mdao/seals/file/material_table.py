@@ -26,9 +26,10 @@ from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.hardness import BULK_MODULUS, LEAST_SHORE, MOST_SHORE, ShoreRubber
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.sponge import GRADES, graded_sponge
+from seal_mdao.seals.conditions import ABSOLUTE_ZERO
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
-from seal_mdao.seals.file.model_table import ABSOLUTE_ZERO, ENTROPIC, per_stage
+from seal_mdao.seals.file.model_table import ENTROPIC, per_stage
 from seal_mdao.seals.file.schema import LINE, TAG, Table, chosen_by, key, table, table_of
 from seal_mdao.values import formatted
 
