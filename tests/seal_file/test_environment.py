@@ -156,7 +156,7 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
         (
             "axial_stretch = 1.04",
             "axial_stretch = [1.0, 1.04]",
-            "has 2 numbers, but 'lid' has 1 st",
+            "has 2 numbers, but 'lid' has 1 stage; give one",
         ),
         ("temperature = 90.0", "temperature = -300.0", "above -273.15 and at most 1000"),
         ('"entropic"', "[[0.0, 1.0], [50.0, 0.8]]", "goes from 0 to 50, but .* from 23 to 90"),

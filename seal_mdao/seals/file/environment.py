@@ -49,7 +49,8 @@ def _ramp(file, where: str, start: float, given) -> Ramp | None:
     values = given if isinstance(given, tuple) else (given,) * len(moving.stages)
     if len(values) != len(moving.stages):
         raise SealFileError(
-            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} stages; "
+            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} "
+            f"{'stage' if len(moving.stages) == 1 else 'stages'}; "
             "give one for the end of every stage, or one number for all of them"
         )
     return ramp_of_stages(start, values, [stage.steps for stage in moving.stages])
