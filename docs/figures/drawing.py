@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib
 
-from seal_mdao.plotting.captions import captioned, materials_text
+from seal_mdao.plotting.captions import captioned, materials_text, seal_text
 from seal_mdao.plotting.style import SETTINGS, save, subplots
 from seal_mdao.seals.door.door_options import DoorOptions
 
@@ -16,7 +16,7 @@ DOOR_SEAL = {"door seal": materials_text({"rubber": DoorOptions().material})}
 
 def captioned_files(*files):
     """Print a caption with names and materials of seal files below the figures of a block."""
-    return captioned({file.path.stem: materials_text(file.materials) for file in files})
+    return captioned({file.path.stem: seal_text(file) for file in files})
 
 
 def captioned_body(name: str, date: str = ""):

@@ -21,7 +21,7 @@ from seal_mdao.plotting import (
     save,
     section_cloud,
 )
-from seal_mdao.plotting.captions import captioned, materials_text
+from seal_mdao.plotting.captions import captioned, seal_text
 from seal_mdao.recording.recorded_optimization import label, shown_unit
 from seal_mdao.seals.result import SealResult
 
@@ -37,7 +37,7 @@ def make(out: Path, reduced: bool) -> dict:
     numbers, rows, touching = {}, [], {}
     for name in EXAMPLES:
         file = example(name, reduced)
-        with captioned({name: materials_text(file.materials)}):
+        with captioned({name: seal_text(file)}):
             result, row = _drawn(file, out / "seal_files" / name, reduced)
             if name == FOLDED:
                 # analysed once for this page and that on self-contact

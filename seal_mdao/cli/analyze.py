@@ -25,6 +25,7 @@ from seal_mdao.export.abaqus import require_exportable, write_abaqus
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
+from seal_mdao.seals.conditions import conditions_text
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
 from seal_mdao.seals.local_states import stress_peak
 from seal_mdao.seals.profiles import ProfileHistory, contacts, profile_histories
@@ -97,6 +98,7 @@ def summarize(result: SealResult) -> dict:
         "warnings": result.warnings if result.converged else None,
         "n_particles": len(result.particles),
         "n_steps": len(steps),
+        "conditions": result.seal.conditions(len(steps)),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
         f"reaction_{result.seal.units.force_key}": reaction_tables(result),
         **({"mean_radius_mm": result.seal.units.radius} if result.seal.body.axisymmetric else {}),
@@ -246,6 +248,8 @@ def report(result: SealResult, summary: dict) -> None:
         f"{int(np.sum(summary['newton_iterations']))} Newton iterations, {summary['step_cuts']} cuts, "
         f"{summary['wall_s']:.2f} s"
     )
+    if summary["conditions"]:
+        print(f"results are for {conditions_text(summary['conditions'])}")
     units = result.seal.units
     if units.radius:
         print(f"N/mm: N {units.along}")

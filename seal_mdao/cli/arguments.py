@@ -156,7 +156,7 @@ def seal_from(arguments: argparse.Namespace, **more) -> sm.Seal:
         options = {name: getattr(arguments, name) for name in SEAL_OPTIONS}
         given = {name: value for name, value in options.items() if value is not None}
         seal = sm.door_seal(arguments.accuracy, **given, **more)
-    name_seal("door seal", seal.materials)
+    name_seal("door seal", seal)
     return seal
 
 

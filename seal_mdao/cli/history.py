@@ -36,7 +36,7 @@ def main(arguments) -> int:
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:
         known = DOOR_SEAL in seal.description
-        name_seal("door seal" if known else arguments.cases.name, seal.materials)
+        name_seal("door seal" if known else arguments.cases.name, seal)
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # any seal but the door seal: objective and constraints of its own
     if DOOR_SEAL not in seal.description:

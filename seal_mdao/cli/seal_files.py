@@ -32,7 +32,7 @@ def file_of(path: Path) -> SealFile:
     """
     with file_errors(path):
         file = sm.read_seal_file(path)
-    name_seal(path.stem, file.materials)
+    name_seal(path.stem, file)
     return file
 
 

@@ -22,6 +22,7 @@ from seal_mdao.cli.varied_seals import (
     door_with_tolerances,
     file_with_tolerances,
 )
+from seal_mdao.plotting.captions import name_varied
 from seal_mdao.progress import SampleProgress
 from seal_mdao.tolerances.record import count_finished
 from seal_mdao.tolerances.statistics import described, rank_correlations
@@ -36,6 +37,7 @@ OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress
 
 def main(arguments) -> int:
     study, file = study_of(arguments), arguments.out / SAMPLES
+    name_varied(tuple(study.nominal))
     if arguments.overwrite:
         file.unlink(missing_ok=True)
     announce(study.seal)

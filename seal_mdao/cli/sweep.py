@@ -15,6 +15,7 @@ from seal_mdao.cli.arguments import announce, parser, write_summary
 from seal_mdao.cli.seal_files import file_errors, file_of
 from seal_mdao.cli.varied import Varied, varied
 from seal_mdao.export.csv_tables import write_sweep_curves
+from seal_mdao.plotting.captions import name_varied
 from seal_mdao.progress import hidden
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import frozen_measures
@@ -36,6 +37,7 @@ class Values(NamedTuple):
 def main(arguments) -> int:
     file = file_of(arguments.file)
     own, values = varied(file, arguments.vary[0]), arguments.vary[1].array()
+    name_varied([own.name])
     results, rows, measures = {}, [], None
     with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:
         for value, (seal, parameters) in zip(bar, own.seals(file, values), strict=True):

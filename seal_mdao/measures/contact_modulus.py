@@ -20,7 +20,9 @@ class ContactModulus:
     def __init__(self, result, profile: str):
         self.where, self.structure = result.term(profile).where, result.term("structure")
         self.regions = self.structure.definition.regions
-        self.fraction = result.end.fraction
+        # the last step that converged, of a path that was not completed, too
+        steps = result.path.steps
+        self.fraction = steps[-1].fraction if steps else 0.0
 
     @cached_property
     def shares(self) -> np.ndarray:
@@ -38,7 +40,7 @@ class ContactModulus:
         ]
 
     def _factor(self, region):
-        """Factor m of the moduli at the end of the path, and its derivatives by parameter."""
+        """Factor m of the moduli after the last load step, and its derivatives by parameter."""
         own = self.structure.conditions(region, [self.fraction])
         if own.conditions is None:
             return 1.0, {}

@@ -1,14 +1,15 @@
-"""Small print below figures: names and materials of the seals that they show, and the date."""
+"""Small print below figures: seals that they show, materials, environment, and the date."""
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from datetime import UTC, datetime
 
 from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.sponge import GradedSponge
+from seal_mdao.seals.conditions import conditions_text
 
 _SEALS: ContextVar[dict[str, str] | None] = ContextVar("seals", default=None)
 _DATE: ContextVar[str] = ContextVar("date", default="")
@@ -44,11 +45,24 @@ def today() -> str:
     return f"{date:%Y-%m-%d}"
 
 
-def name_seal(name: str, materials: Mapping[str, object]) -> None:
-    """Add a seal with its laws, by the names of its materials, to the captions of the block, if any."""
+def name_seal(name: str, seal) -> None:
+    """Add a ``Seal`` or a ``SealFile`` to the captions of the block, if any."""
     seals = _SEALS.get()
     if seals is not None:
-        seals[name] = materials_text(materials)
+        seals[name] = seal_text(seal)
+
+
+def name_varied(names: Collection[str]) -> None:
+    """Add parameters that vary between results to every seal in the captions of the block, if any."""
+    seals = _SEALS.get() or {}
+    for name in seals if names else ():
+        seals[name] += f", varied: {', '.join(names)}"
+
+
+def seal_text(seal) -> str:
+    """Describe materials and environment at the end of the path of a ``Seal`` or ``SealFile``."""
+    conditions = conditions_text(seal.conditions())
+    return materials_text(seal.materials) + (f", {conditions}" if conditions else "")
 
 
 def materials_text(materials: Mapping[str, object]) -> str:

@@ -7,7 +7,7 @@ from matplotlib.ticker import MultipleLocator
 
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import open_points
+from seal_mdao.measures.selection import contact_range, open_points
 from seal_mdao.plotting.style import (
     BESIDE,
     BLUE,
@@ -21,6 +21,7 @@ from seal_mdao.plotting.style import (
 )
 from seal_mdao.seals.profiles import (
     arc_length,
+    contact_positions,
     contacts,
     leading_contact,
     nominal_pressure,
@@ -44,6 +45,30 @@ def _shown(touching: np.ndarray, beyond: int) -> slice:
     """Points from the first to the last contact and ``beyond`` more, all without contact."""
     at = np.flatnonzero(touching)
     return slice(max(at[0] - beyond, 0), at[-1] + beyond + 1) if at.size else slice(None)
+
+
+def along_contact(result: SealResult, label: str, touching: np.ndarray):
+    """Order the contact points of a profile along the boundary for a curve over the arc length.
+
+    A closed boundary whose beginning lies in the contact is cut in the middle of its longest open part
+    in place of there; arc lengths before its beginning are negative.
+
+    Returns
+    -------
+    order : ndarray of int, shape (n,)
+    s : ndarray, shape (n,)
+        Arc length in this order, mm, of the undeformed boundary.
+    """
+    s, size = arc_length(result, label), touching.size
+    inside = contact_range(touching, is_closed(result.term(label).where))
+    if not inside.size or inside[0] <= inside[-1]:
+        return np.arange(size), s
+    first = inside[0] - (size - inside.size) // 2
+    order = np.arange(first, first + size) % size
+    # s - L of the points before the beginning, with the length L of the closed boundary
+    points = contact_positions(result, label)
+    length = s[-1] + np.linalg.norm(points[0] - points[-1])
+    return order, s[order] - np.where(order >= first, length, 0.0)
 
 
 def _mark_states(axes: Axes, s, values, state, states, markersize, suffix="") -> None:
@@ -89,24 +114,24 @@ def contact_pressure(result: SealResult, steps=None) -> Figure:
 
 
 def _draw_pressures(axes, result, contact, steps) -> None:
-    s = arc_length(result, contact.label)
     end = result.path.at_nominal(contact.label)[steps[-1]]
     pressures = [true_pressure(result, contact, step) for step in steps]
+    touched = np.any(pressures, axis=0)
+    order, s = along_contact(result, contact.label, touched)
     for number, (step, values) in enumerate(zip(steps, pressures, strict=True)):
         look = {"color": BLUE, "linewidth": 1.8, "zorder": 3}
         if number < len(steps) - 1:
             color, style = CYCLE[1:][number % (len(CYCLE) - 1)], (":", "--", "-.")[number % 3]
             look = {"color": color, "linestyle": style, "linewidth": 1.1, "zorder": 2}
-        axes.plot(s, values, label=result.caption(step), **look)
+        axes.plot(s, values[order], label=result.caption(step), **look)
     # nominal pressure w_n |g_n| of the last step, per undeformed length
     nominal = nominal_pressure(contact, end)
-    axes.plot(s, nominal, color=GREY, linewidth=1.1, label="nominal, at the end", zorder=2)
-    _mark_states(axes, s, pressures[-1], end.state, STATES[1:], 5.5, ", at the end")
+    axes.plot(s, nominal[order], color=GREY, linewidth=1.1, label="nominal, at the end", zorder=2)
+    _mark_states(axes, s, pressures[-1][order], end.state[order], STATES[1:], 5.5, ", at the end")
     axes.axhline(0.0, color="black", linewidth=0.8)
     # range of the axis: points with pressure at any of the steps
-    touched = np.any(pressures, axis=0)
     if touched.any():
-        axes.set_xlim(*s[_shown(touched, PRESSURE_BEYOND)][[0, -1]])
+        axes.set_xlim(*s[_shown(touched[order], PRESSURE_BEYOND)][[0, -1]])
     else:
         axes.set_title("no contact", fontsize=9.5, color=GREY)
     axes.set_ylim(bottom=0.0)

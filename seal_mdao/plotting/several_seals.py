@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting.contact_curves import along_contact
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import CYCLE, styled, subplots
 from seal_mdao.plotting.travel_curves import add_length_axis
-from seal_mdao.seals.profiles import arc_length, leading_contact, profile_histories, true_pressure
+from seal_mdao.seals.profiles import leading_contact, profile_histories, true_pressure
 from seal_mdao.seals.result import SealResult
 
 MOST_SECTIONS = 6
@@ -65,9 +66,11 @@ def draw_pressures(axes, results) -> None:
     """Plot the true contact pressure at the end against arc length, from the middle of the contact."""
     for number, (name, result) in enumerate(results.items()):
         contact = leading_contact(result.seal)
-        s, pressure = arc_length(result, contact.label), true_pressure(result, contact)
+        pressure = true_pressure(result, contact)
         if not pressure.any():
             continue
+        order, s = along_contact(result, contact.label, pressure > 0.0)
+        pressure = pressure[order]
         # centre of pressure at zero, so that sections of different size lie above each other
         s = s - np.average(s, weights=pressure)
         axes.plot(s, pressure, color=CYCLE[number % len(CYCLE)], label=name)

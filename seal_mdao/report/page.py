@@ -9,7 +9,7 @@ from string import Template
 from urllib.parse import quote
 
 from seal_mdao._version import __version__
-from seal_mdao.plotting.captions import caption, caption_of, materials_text
+from seal_mdao.plotting.captions import caption, caption_of, seal_text
 from seal_mdao.recording.recorded_optimization import FEASIBLE, RecordedOptimization, label
 from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import html_tables as tables
@@ -60,7 +60,7 @@ class ShownSeal:
         seal = self.recorded.seal
         name = self.recorded.name or ("door seal" if DOOR_SEAL in seal.description else "seal")
         # a command names the seal file that it has read
-        return caption() or caption_of({name: materials_text(seal.materials)})
+        return caption() or caption_of({name: seal_text(seal)})
 
     @property
     def ends(self) -> tuple[SealResult, SealResult]:

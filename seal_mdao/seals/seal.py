@@ -16,6 +16,7 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.measures.section_shape import cells_area
+from seal_mdao.seals.conditions import check_conditions, conditions_of
 from seal_mdao.seals.result_units import ResultUnits, result_units
 from seal_mdao.terms.term import Scalar
 
@@ -207,6 +208,7 @@ class Seal:
         other = self._with_changed(self.changed | checked)
         # values that are not admissible are refused here
         other.terms()
+        check_conditions(*other._environment)
         for measure in (*other.standard, *other.further):
             measure.with_parameters(other.changed)
         return other
@@ -371,6 +373,16 @@ class Seal:
     def materials(self) -> dict[str, Isotropic]:
         """Materials of the body by their names; the only one of a seal is ``rubber``."""
         return {own.name or "rubber": own.material for own in self.definitions[0].regions}
+
+    def conditions(self, step: int | None = None) -> dict:
+        """Evaluate axial stretch, temperature and swelling of the body, see ``conditions_of``."""
+        return conditions_of(*self._environment, step)
+
+    @property
+    def _environment(self) -> tuple:
+        # with the changed parameters
+        body = self._terms[0]
+        return body.environment, {own.prefix: own.growth for own in body.regions}
 
     @property
     def n_offsets(self) -> int:

@@ -21,6 +21,7 @@ from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
+from seal_mdao.plotting.captions import caption
 from seal_mdao.seals.result_units import PLANE
 
 
@@ -279,6 +280,43 @@ def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
         )
         assert float(row["contact_width"]) == pytest.approx(result.contact_width, rel=1e-9)
     assert (out / "sweep.png").is_file()
+
+
+def test_analyses_and_captions_say_at_which_temperature_they_are(
+    bulb, tmp_path, capsys, monkeypatch
+):
+    """On the console, in summary.json and below figures; a sweep names what it varies, too."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    text = bulb.read_text(encoding="utf-8")
+    table = "expansion = 1e-4\nswelling = 1.02\n"
+    hot = changed(text, {'law = "mooney_rivlin"\n': f'law = "mooney_rivlin"\n{table}'})
+    bulb.write_text(f"[model]\ntemperature = [23, 60]\n{hot}", encoding="utf-8")
+    drawn = []
+    monkeypatch.setattr("seal_mdao.plotting.save", lambda figure, path: drawn.append(caption()))
+    out = tmp_path / "out"
+    assert main(["analyze", str(bulb), "--no-vtu", "--out", str(out)]) == 0
+    conditions = json.loads((out / "summary.json").read_text())["conditions"]
+    assert conditions == {"temperature_degC": 60.0, "swelling": 1.02}
+    assert "\nresults are for 60 degC, swelling 1.02\n" in capsys.readouterr().out
+    named = "bulb: rubber (Mooney-Rivlin), 60 degC, swelling 1.02"
+    assert set(drawn) == {f"{named} | 2023-11-14"}
+    drawn.clear()
+    assert main(["sweep", str(bulb), "--vary", "temperature", "60:80:2", "--out", str(out)]) == 0
+    varied = {f"{named}, varied: temperature | 2023-11-14"}
+    assert set(drawn) == varied
+    drawn.clear()
+    scatter = 'distribution = "uniform"\nlow = 50\nhigh = 70\n'
+    with bulb.open("a", encoding="utf-8") as file:
+        file.write(f"[tolerance.vary.temperature]\n{scatter}")
+    study = ["study", str(bulb), "--samples", "2", "--workers", "0"]
+    assert main([*study, "--out", str(tmp_path / "study")]) == 0
+    assert set(drawn) == varied
+
+
+def test_without_an_environment_nothing_is_said_about_it(bulb, tmp_path, capsys):
+    assert main(["analyze", str(bulb), "--no-vtu", "--out", str(tmp_path / "out")]) == 0
+    assert "results are for" not in capsys.readouterr().out
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["conditions"] == {}
 
 
 @pytest.mark.parametrize("given", ["-3:6", "-.5:6", "-1e-3:6", "-a:6:4"])

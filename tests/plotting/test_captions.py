@@ -1,5 +1,7 @@
 """Small print below figures: seal, materials and date."""
 
+from typing import NamedTuple
+
 import matplotlib.image
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from seal_mdao import plotting
 from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.sponge import graded_sponge
-from seal_mdao.plotting.captions import caption, captioned, materials_text, name_seal
+from seal_mdao.plotting.captions import caption, captioned, materials_text, name_seal, name_varied
 from seal_mdao.plotting.style import add_caption, subplots
 from seal_mdao.report.embedded_figure import embedded
 
@@ -18,13 +20,23 @@ def _day(monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
 
 
+class Described(NamedTuple):
+    """What a caption takes of a seal."""
+
+    materials: dict
+    at_the_end: dict
+
+    def conditions(self):
+        return self.at_the_end
+
+
 def small_print(figure):
     return [own.get_text() for own in figure.texts if own.get_gid() == "caption"]
 
 
 def test_a_caption_has_name_materials_and_date():
     with captioned({"lip": "rubber (Yeoh)"}):
-        name_seal("bulb", {"foot": MooneyRivlin()})
+        name_seal("bulb", Described({"foot": MooneyRivlin()}, {}))
         assert caption() == "lip: rubber (Yeoh); bulb: foot (Mooney-Rivlin) | 2023-11-14"
         short = caption(30)
         assert len(short) == 30
@@ -37,6 +49,17 @@ def test_rubbers_by_hardness_and_sponges_by_grade_are_named_as_users_do():
     assert materials_text(laws) == "lip (70 Shore A), bulb (sponge of ASTM D1056)"
 
 
+def test_environment_and_varied_parameters_are_named():
+    given = {"axial_stretch": 1.05, "temperature_degC": -20.0, "foot_swelling": 1.1}
+    with captioned():
+        name_seal("bulb", Described({"foot": MooneyRivlin()}, given))
+        named = "bulb: foot (Mooney-Rivlin), axial stretch 1.05, -20 degC, foot swelling 1.1"
+        name_varied([])
+        assert caption() == f"{named} | 2023-11-14"
+        name_varied(["temperature", "c10"])
+        assert caption() == f"{named}, varied: temperature, c10 | 2023-11-14"
+
+
 def test_stored_values_have_their_own_date():
     with captioned({"lip": "rubber (Yeoh)"}, "2022-02-28"):
         with captioned({"bulb": "rubber"}):
@@ -45,7 +68,7 @@ def test_stored_values_have_their_own_date():
 
 
 def test_without_a_seal_there_is_no_caption(nominal, tmp_path):
-    name_seal("bulb", {})
+    name_seal("bulb", Described({}, {}))
     figure = plotting.load_deflection(nominal)
     with captioned():
         plotting.save(figure, tmp_path / "load.png", dpi=40)

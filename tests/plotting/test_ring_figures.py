@@ -11,12 +11,14 @@ from ring_files import cylinder, ring
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.contact.friction import OPEN
 from seal_mdao.plotting import ring_figure as view
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.several_seals import load_deflection_of
 from seal_mdao.report.html_tables import measures
 from seal_mdao.report.page import ShownSeal
 from seal_mdao.report.write import ring_section
+from seal_mdao.seals.profiles import contact_positions, contacts, true_pressure
 
 
 def analyzed(folder, text):
@@ -28,6 +30,35 @@ def analyzed(folder, text):
 @pytest.fixture(scope="module")
 def solid(tmp_path_factory):
     return analyzed(tmp_path_factory.mktemp("solid"), cylinder())
+
+
+SQUEEZED = """\
+[model]
+kinematics = "axisymmetric"
+[material.nbr]
+shore_a = 70
+[section]
+spacing = 0.6
+outer = [{ edge = "ring", circle = { centre = [11.5, 0.0], radius = 1.5 } }]
+[[profile]]
+name = "groove"
+friction = 0.1
+line = [[10.0, -5.0], [10.0, 5.0]]
+[[profile]]
+name = "cylinder"
+friction = 0.1
+line = [[0.0, 5.0], [0.0, -5.0]]
+start = [13.0, 0.0]
+normal_penalty = 1e6
+tangent_penalty = 1e5
+stage = [{ translate = [-0.6, 0.0], steps = 12 }]
+"""
+
+
+@pytest.fixture(scope="module")
+def squeezed(tmp_path_factory):
+    """An O-ring between two walls, the contour of which begins in the contact with one of them."""
+    return analyzed(tmp_path_factory.mktemp("squeezed"), SQUEEZED)
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +90,44 @@ def test_a_section_near_the_axis_is_shown_with_its_mirror_image(solid):
     assert [own.get_text() for own in legend.get_texts()] == [
         "in contact", "open between contacts",
     ]  # fmt: skip
+
+
+def test_points_in_contact_with_both_walls_are_shown_as_such(squeezed):
+    """Around a closed contour the longest open part is no gap between contacts."""
+    axes = plotting.deformed_shapes(squeezed).axes[3]
+    lines = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert not len(lines["open between contacts"])
+    x = lines["in contact"][:, 0]
+    touching = [int(np.sum(squeezed.response(n).state != OPEN)) for n in ("groove", "cylinder")]
+    assert min(touching) >= 2
+    # walls at radii of 10 and 12.4 mm, to the penetration that the penalty permits
+    near = [int(np.sum(np.abs(x - wall) < 0.01)) for wall in (10.0, 12.4)]
+    assert near == touching
+
+
+@pytest.mark.parametrize(("name", "number"), [("groove", 0), ("cylinder", 1)])
+def test_pressure_around_the_beginning_of_a_contour_is_one_curve(squeezed, name, number):
+    axes = plotting.contact_pressure(squeezed).axes[number]
+    (line,) = (own for own in axes.lines if own.get_label() == "travel 0.6 mm")
+    s, pressure = line.get_data()
+    contact = next(own for own in contacts(squeezed.seal) if own.label == name)
+    own = true_pressure(squeezed, contact)
+    assert sorted(pressure) == sorted(own)
+    # the points in contact follow one another
+    at = np.flatnonzero(pressure)
+    assert np.all(np.diff(at) == 1)
+    assert 0 < at[0] <= at[-1] < len(s) - 1
+    low, high = axes.get_xlim()
+    assert low < s[at[0]] < s[at[-1]] < high < low + 3.0
+    # the beginning of the contour, (13, 0), stays at zero
+    x = contact_positions(squeezed, name)
+    begin = int(np.argmin(np.abs(s)))
+    # arc lengths are those of the closed polygon through the points
+    chords = np.hypot(*(np.roll(x, -1, axis=0) - x).T)
+    np.testing.assert_allclose(np.diff(s), np.roll(chords, begin)[:-1], rtol=1e-12)
+    assert s[begin] == pytest.approx(0.0, abs=1e-12)
+    assert pressure[begin] == own[0]
+    assert x[0] == pytest.approx([13.0, 0.0])
 
 
 def test_the_name_of_a_profile_across_the_axis_is_on_the_right(solid):

@@ -46,7 +46,12 @@ def _table(value, schema, root):
 
 def _list(value, schema, root):
     few, many = schema.get("minItems", 0), schema.get("maxItems", len(value))
-    return few <= len(value) <= many and all(fits(own, schema["items"], root) for own in value)
+    forms = schema["items"]
+    # one form of every item, or one of each
+    forms = forms if isinstance(forms, list) else [forms] * len(value)
+    return few <= len(value) <= many and all(
+        fits(own, form, root) for own, form in zip(value, forms, strict=False)
+    )
 
 
 def _text(value, schema, root):

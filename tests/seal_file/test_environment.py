@@ -218,7 +218,7 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
         (
             "axial_stretch = 1.04",
             "axial_stretch = [1.0, 1.04]",
-            "has 2 numbers, but 'lid' has 1 st",
+            "has 2 numbers, but 'lid' has 1 stage; give one",
         ),
         ("temperature = 90.0", "temperature = -300.0", "above -273.15 and at most 1000"),
         ('"entropic"', "[[0.0, 1.0], [50.0, 0.8]]", "goes from 0 to 50, but .* from 23 to 90"),
@@ -230,6 +230,64 @@ def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
     assert old in LONG
     with pytest.raises(sm.SealFileError, match=words):
         read(tmp_path, LONG.replace(old, new))
+
+
+def test_conditions_of_file_and_seal_are_those_of_the_path(tmp_path):
+    """At the end from the file, after any load step from the seal, with its changed parameters."""
+    given = LONG.replace("temperature = 90.0", "temperature = [90.0]")
+    file = read(tmp_path, given)
+    end = {"axial_stretch": 1.04, "temperature_degC": 90.0}
+    assert file.conditions() == end | {"swelling": 1.06}
+    seal = sm.build_seal(file)
+    assert seal.conditions() == file.conditions()
+    assert seal.conditions(0) == {
+        "axial_stretch": 1.0, "temperature_degC": 23.0, "swelling": 1.0,
+    }  # fmt: skip
+    cold = seal.with_parameters({"temperature": -20.0, "swelling": 1.2})
+    assert cold.conditions()["temperature_degC"] == -20.0
+    assert cold.conditions()["swelling"] == 1.2
+    assert sm.build_seal(read(tmp_path, text(FIXED, LID))).conditions() == {}
+
+
+TABLE = LONG.replace('"entropic"', "[[0.0, 1.1], [23.0, 1.0], [100.0, 0.8]]")
+
+
+@pytest.mark.parametrize(
+    ("given", "changes", "words"),
+    [
+        (TABLE, {"temperature": -10.0}, "goes from 0 to 100, but the temperatures from -10 to 23"),
+        (
+            TABLE,
+            {"temperature": 100.5},
+            "goes from 0 to 100, but the temperatures from 23 to 100.5",
+        ),
+        (LONG, {"temperature": -274.0}, "temperature must be a number above -273.15"),
+        (LONG, {"swelling": 0.0}, "swelling must be a number above 0 and at most 10"),
+        (LONG, {"axial_stretch": 0.4}, "axial_stretch must be a number of at least 0.5"),
+    ],
+)
+def test_parameters_are_refused_where_the_file_would_be(tmp_path, given, changes, words):
+    seal = sm.build_seal(read(tmp_path, given))
+    with pytest.raises(ValueError, match=words):
+        seal.with_parameters(changes)
+
+
+def test_ideal_rubber_has_a_modulus_at_every_temperature(tmp_path):
+    """m = T / T_0, to rounding: a line of few points from absolute zero on."""
+    (region,) = sm.build_seal(read(tmp_path, LONG)).definitions[0].regions
+    at = np.array([-273.0, -20.0, 22.0, 23.0, 90.0, 1000.0])
+    factors, slopes = region.growth.factor(at)
+    np.testing.assert_allclose(factors, (at + 273.15) / 296.15, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(slopes, 1.0 / 296.15, rtol=1e-12)
+    assert factors[3] == 1.0
+
+
+def test_a_ring_has_no_axial_stretch(tmp_path):
+    given = AROUND.replace("temperature = [60.0]", "axial_stretch = 1.05")
+    with pytest.raises(
+        sm.SealFileError, match="a ring is stretched by a profile that moves along x"
+    ):
+        read(tmp_path, given)
 
 
 def test_a_temperature_that_changes_nothing_is_refused(tmp_path):

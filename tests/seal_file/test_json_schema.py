@@ -78,3 +78,12 @@ def test_it_has_the_names_of_installed_extensions(monkeypatch):
     monkeypatch.setattr(registry, "installed", lambda kind: ("capped",))
     schema = json_schema()
     assert fits(given, schema, schema)
+
+
+@pytest.mark.parametrize("pair", [[23.0, 0.0], [-274.0, 1.0], [23.0, 1.0, 1.0], [23.0]])
+def test_points_of_a_table_are_checked_number_by_number(pair):
+    (path,) = (own for own in FILES if own.stem == "stretched_strip")
+    given = tomllib.loads(path.read_text(encoding="utf-8"))
+    assert fits(given, SCHEMA, SCHEMA)
+    given["material"]["sponge"]["modulus_over_temperature"] = [[-30.0, 1.6], pair]
+    assert not fits(given, SCHEMA, SCHEMA)

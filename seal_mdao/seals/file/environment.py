@@ -5,6 +5,7 @@ import numpy as np
 from seal_mdao.errors import SealFileError
 from seal_mdao.loads.ramp import Ramp, ramp_of_stages
 from seal_mdao.materials.hoop_stretch import is_known
+from seal_mdao.seals.conditions import HOTTEST
 from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED
 from seal_mdao.structure.environment import ABSOLUTE_ZERO, Environment, Growth
 from seal_mdao.values import formatted
@@ -27,9 +28,12 @@ def growth_of(file, name: str) -> Growth:
     """Make the growth of the material ``name`` of a ``SealFile``."""
     own, factors = file.material_tables[name], None
     if own.modulus_over_temperature == ENTROPIC:
-        # m = T / T_0 of absolute temperatures, a line through two points
+        # m = T / T_0 of absolute temperatures, a line through (T_0, 1) over all temperatures
         start = file.model.reference_temperature
-        factors = np.array([[start, 1.0], [start + 1.0, 1.0 + 1.0 / (start - ABSOLUTE_ZERO)]])
+        zero, hottest = ABSOLUTE_ZERO, max(HOTTEST, start + 1.0)
+        factors = np.array(
+            [[zero, 0.0], [start, 1.0], [hottest, (hottest - zero) / (start - zero)]]
+        )
     elif own.modulus_over_temperature is not None:
         factors = np.array(own.modulus_over_temperature)
     swelling = _ramp(file, f"[material.{name}]: swelling", 1.0, own.swelling)
@@ -45,7 +49,8 @@ def _ramp(file, where: str, start: float, given) -> Ramp | None:
     values = given if isinstance(given, tuple) else (given,) * len(moving.stages)
     if len(values) != len(moving.stages):
         raise SealFileError(
-            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} stages; "
+            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} "
+            f"{'stage' if len(moving.stages) == 1 else 'stages'}; "
             "give one for the end of every stage, or one number for all of them"
         )
     return ramp_of_stages(start, values, [stage.steps for stage in moving.stages])
@@ -93,6 +98,7 @@ def _check_axial_stretch(file) -> None:
         raise SealFileError(
             f'[model]: axial_stretch = {formatted(given)} is for kinematics = "{GENERALISED}", not '
             f'"{kind}"'
+            + ("; a ring is stretched by a profile that moves along x" if file.axisymmetric else "")
         )
 
 

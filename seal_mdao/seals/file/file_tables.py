@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.seals.conditions import conditions_of
 from seal_mdao.seals.file.clearance import cleared
 from seal_mdao.seals.file.design_table import DesignTable
 from seal_mdao.seals.file.edge_tables import (
@@ -197,6 +198,10 @@ class SealFile:
     def environment(self) -> Environment | None:
         """Axial stretch and temperature along the path."""
         return environment_of(self)
+
+    def conditions(self) -> dict:
+        """Evaluate axial stretch, temperature and swelling at the end of the path."""
+        return conditions_of(self.environment, {own.prefix: own.growth for own in self.regions})
 
     @property
     def contributions(self) -> list:

@@ -27,6 +27,13 @@ class _Schema(GenerateJsonSchema):
             made.pop("default", None)
         return made
 
+    def tuple_schema(self, schema):
+        # draft 7 has a list of items where later drafts have prefixItems
+        made = super().tuple_schema(schema)
+        if "prefixItems" in made:
+            made["items"] = made.pop("prefixItems")
+        return made
+
     def field_title_should_be_set(self, schema):
         return False
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_known
+from seal_mdao.seals.conditions import HOTTEST
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING
 from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.schema import Table, key, table
@@ -45,12 +46,12 @@ class ModelTable(Table):
     )
     temperature: (
         per_stage(
-            number(above=ABSOLUTE_ZERO, most=1000.0),
+            number(above=ABSOLUTE_ZERO, most=HOTTEST),
             "a number above -273.15 and at most 1000 (degC)",
         )
         | None
     ) = key("of the seal; it changes from reference_temperature in the first stage", None)
-    reference_temperature: number("degC", above=ABSOLUTE_ZERO, most=1000.0) = key(
+    reference_temperature: number("degC", above=ABSOLUTE_ZERO, most=HOTTEST) = key(
         "at which the section has its shape and the materials have their constants", 23.0
     )
 
