@@ -9,7 +9,8 @@ from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.materials.isotropic import invariants
 from seal_mdao.structure.deformation import deform
 
-UNITS = {"c10": (1.0, 0.0, 0.0), "c01": (0.0, 1.0, 0.0), "bulk": (0.0, 0.0, 1.0)}
+# a bulk modulus of zero would be that of a compressible law
+UNITS = {"c10": (1.0, 0.0, 1e-30), "c01": (0.0, 1.0, 1e-30), "bulk": (0.0, 0.0, 1.0)}
 
 
 # basis order, solver, cells of a column, Gauss points, and inner radius

@@ -37,7 +37,7 @@ def stiffness_under_pressure(n_gauss: int, pressure: float, axisymmetric: bool) 
             for sign in (1.0, -1.0):
                 moved = d.copy()
                 moved[particle, component] += sign * STEP
-                ends.append(structure.forces(moved)[~fixed])
+                ends.append(structure.forces(moved, 1.0)[~fixed])
             column[:] = (ends[0] - ends[1]) / (2.0 * STEP)
         return np.linalg.eigvalsh(0.5 * (tangent + tangent.T))[0]
 
