@@ -237,4 +237,6 @@ def test_a_foam_ring_has_the_derivatives_of_its_path(tmp_path):
             found = np.atleast_2d(direct[measure])[:, column]
             assert np.all(np.abs(found - quotient) <= bound), (name, measure)
             # 0.02 mJ is the work of friction; the volume does not depend on constants
-            assert bound.max() <= 1e-6 * max(np.abs(found).max(), 0.02), (name, measure)
+            # leak rates depend on the pressure with a high power: truncation of the same step is larger
+            share = 1e-5 if measure == "leak_rate" else 1e-6
+            assert bound.max() <= share * max(np.abs(found).max(), 0.02), (name, measure)
