@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
+from seal_mdao.terms.ramp import at_ends, at_fraction
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 COMPONENTS = ("x", "y")

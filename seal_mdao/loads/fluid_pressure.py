@@ -19,10 +19,10 @@ from seal_mdao import values
 from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
 from seal_mdao.loads.pressed_sides import PressedSides
-from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points
+from seal_mdao.terms.ramp import at_ends, at_fraction
 from seal_mdao.terms.term import Scalar, TermDefinition
 
 SHARE = 0.05

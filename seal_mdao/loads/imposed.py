@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from seal_mdao.loads.ramp import at_ends, at_fraction
+from seal_mdao.terms.ramp import at_ends, at_fraction
 from seal_mdao.terms.term import Scalar
 
 

@@ -29,9 +29,9 @@ from scipy.optimize import brentq
 from seal_mdao import values
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.orifice import Flow, orifice_flow
-from seal_mdao.loads.ramp import at_ends, at_fraction
 from seal_mdao.loads.trapped_air import TrappedAir, TrappedAirTerm
 from seal_mdao.terms.coupled_term import CoupledResponse, LocalMap
+from seal_mdao.terms.ramp import at_ends, at_fraction
 from seal_mdao.terms.term import Scalar
 
 SHARP_EDGED = 0.61

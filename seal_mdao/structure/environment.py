@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.loads.ramp import Ramp
 from seal_mdao.materials.conditioned import Conditions
+from seal_mdao.terms.ramp import Ramp
 from seal_mdao.terms.term import Scalar
 
 AXIAL_STRETCH, TEMPERATURE = "axial_stretch", "temperature"

@@ -6,9 +6,9 @@ from fluid_seals import gasket
 
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.loads.imposed import ImposedDisplacements
-from seal_mdao.loads.ramp import at_fraction
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.points import fixed_points
+from seal_mdao.terms.ramp import at_fraction
 
 ENDS = (0.5, 1.0, 1.25, 3.0)
 """In the three nominal steps of the loads; the second one goes into a longer step."""

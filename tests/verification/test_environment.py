@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from seal_mdao.loads.ramp import Ramp, ramp_of_stages
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.structure.region import Region
+from seal_mdao.terms.ramp import Ramp, ramp_of_stages
 from verification.bodies import Grid, fixed_components, grid_body, scattered
 from verification.revolution import BULK, C01, C10, principal_stress
 from verification.solving import grown, holding_forces, solve, tight

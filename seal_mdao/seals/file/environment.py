@@ -3,11 +3,11 @@
 import numpy as np
 
 from seal_mdao.errors import SealFileError
-from seal_mdao.loads.ramp import Ramp, ramp_of_stages
 from seal_mdao.materials.hoop_stretch import is_known
 from seal_mdao.seals.conditions import HOTTEST
 from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED
 from seal_mdao.structure.environment import ABSOLUTE_ZERO, Environment, Growth
+from seal_mdao.terms.ramp import Ramp, ramp_of_stages
 from seal_mdao.values import formatted
 
 
