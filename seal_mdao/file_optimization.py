@@ -17,12 +17,14 @@ from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
-from seal_mdao.seals.outline.section_cloud import LAYERS
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
 
 CHOSEN = "chosen"
 """What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
+
+FILLING = ("spacing", "layers", "edge_spacing", "quadrature")
+"""Attributes of a section that give its cloud."""
 
 
 def file_task(file: SealFile, nominal: SealResult) -> Task:
@@ -74,19 +76,15 @@ def _limit(where: str, constraint, start: dict) -> Limit:
     return Limit(name, **bounds, ref=size if size.ndim else float(size))
 
 
-def on_new_cloud(design: SealFile, filling, layers: int = LAYERS, edge_spacing=None) -> SealResult:
+def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
     """A design analysed with new particles: what its numbers owe to those that it was optimised with.
 
     Parameters
     ----------
     design : SealFile
         As ``write_design`` writes it.
-    filling : float or Rays
-        Spacing of the new cloud, mm, or its rays.
-    layers : int
-        Of particles across a wall at least, with a spacing.
-    edge_spacing : dict, optional
-        Largest distances along edges by their names, mm, with a spacing.
+    nominal : SealFile
+        Whose section gives spacing or rays, layers and quadrature of the new cloud.
 
     Raises
     ------
@@ -95,9 +93,8 @@ def on_new_cloud(design: SealFile, filling, layers: int = LAYERS, edge_spacing=N
     """
     # given places are particles of the old cloud
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
-    section = replace(
-        design.section, spacing=filling, layers=layers, edge_spacing=edge_spacing or {}
-    )
+    filling = {name: getattr(nominal.section, name) for name in FILLING}
+    section = replace(design.section, **filling)
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
 
 

@@ -1,10 +1,12 @@
 """Progress bar over the load steps of an analysis, fed by its callback."""
 
 import sys
+import threading
 import time
 
 from tqdm import tqdm
 
+from seal_mdao.analysis.cost import duration
 from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.seals.seal import Seal
 
@@ -21,6 +23,45 @@ def hidden() -> bool | None:
 
 INTERVAL = 10.0
 """Seconds between two lines of progress where no bar is shown."""
+
+
+class Waiting:
+    """Line every ten seconds, on standard error, while work that counts no steps is done.
+
+    A context manager; its lines give the time since it was entered.
+
+    Parameters
+    ----------
+    text : str
+        What is being done.
+    """
+
+    def __init__(self, text: str):
+        self._text, self._ended, self._thread = text, threading.Event(), None
+
+    def __enter__(self) -> "Waiting":
+        if sys.stderr is not None:
+            # a thread: the work itself is one call
+            self._thread = threading.Thread(target=self._lines, daemon=True)
+            self._thread.start()
+        return self
+
+    def _lines(self) -> None:
+        begun = time.monotonic()
+        while not self._ended.wait(INTERVAL):
+            line = f"{self._text}: {time.monotonic() - begun:.0f} s ..."
+            # above a bar, where there is one
+            tqdm.write(line, file=sys.stderr)
+
+    def end(self) -> None:
+        """End the lines; a second call does nothing."""
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def __exit__(self, *exception) -> None:
+        self.end()
 
 
 class LoadStepProgress:
@@ -50,9 +91,14 @@ class LoadStepProgress:
         total = None if seal is None else seal.n_steps
         self._bar = tqdm(total=total, unit="step", disable=hidden(), leave=False)
         self._last, self._damped, self._printed = None, False, time.monotonic()
+        # start of the first announced analysis, load steps of those announced
+        self._begun, self._steps_before = self._printed, 0
+        # shape functions are made before the first load step
+        self._before = Waiting(f"{label}: making shape functions")
 
     def __call__(self, step: ConvergedStep) -> None:
         """Advance the bar by one completed load step."""
+        self._before.end()
         # step numbers that do not increase begin a new analysis
         if self._last is None or step.nominal <= self._last:
             self.analyses += 1
@@ -71,10 +117,21 @@ class LoadStepProgress:
             print(f"{name}: load step {step.nominal + 1}{of}", file=sys.stderr, flush=True)
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
-        """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""
+        """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps, and the time
+        left by the measured time of those before."""
         self._of, self._bar.total = f" of {of}", n_steps
+        now, left = time.monotonic(), ""
+        if self._steps_before:
+            # t_left = t / n_done n (N - i + 1), with n steps of every analysis that is left
+            seconds = (now - self._begun) / self._steps_before * n_steps * (of - number + 1)
+            left = f", about {duration(seconds)} left"
+        else:
+            self._begun = now
+        self._steps_before += n_steps
         if self._bar.disable:
-            print(f"{self._label}, {number} of {of} ...", file=sys.stderr, flush=True)
+            print(f"{self._label}, {number} of {of}{left} ...", file=sys.stderr, flush=True)
+        else:
+            self._bar.set_postfix_str(left.removeprefix(", "))
 
     def damped(self, iteration: int, residual: float) -> None:
         """Show an iteration of damped motion, which may take thousands of them within a step."""
@@ -84,9 +141,11 @@ class LoadStepProgress:
 
     def close(self) -> None:
         """Remove the bar."""
+        self._before.end()
         self._bar.close()
 
     def __enter__(self) -> "LoadStepProgress":
+        self._before.__enter__()
         return self
 
     def __exit__(self, *exception) -> None:

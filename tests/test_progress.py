@@ -1,5 +1,6 @@
 """Lines of progress where there is no terminal."""
 
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -46,3 +47,53 @@ def test_the_next_evaluation_begins_anew(clock, capsys):
     assert lines[1] == "robust optimisation: 2 of 2 samples, 1 failed, 0.0 min left"
     assert lines[2] == "robust optimisation, evaluation 2: 1 of 2 samples"
     assert lines[3] == "robust optimisation, evaluation 2: 2 of 2 samples, 0.0 min left"
+
+
+def test_a_line_every_interval_while_one_call_goes_on(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "INTERVAL", 0.02)
+    with progress.Waiting("placing particles"):
+        time.sleep(0.3)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) >= 3
+    assert set(lines) == {"placing particles: 0 s ..."}
+    # nothing comes afterwards
+    time.sleep(0.06)
+    assert capsys.readouterr().err == ""
+
+
+def test_work_that_is_quick_or_has_no_standard_error_has_no_lines(monkeypatch, capsys):
+    with progress.Waiting("placing particles"):
+        pass
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(progress, "INTERVAL", 0.01)
+    monkeypatch.setattr(progress.sys, "stderr", None)
+    with progress.Waiting("placing particles"):
+        time.sleep(0.05)
+
+
+def test_lines_before_the_first_load_step(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "INTERVAL", 0.02)
+    with progress.LoadStepProgress(None, "analysis") as bar:
+        time.sleep(0.2)
+        bar(SimpleNamespace(nominal=0))
+        said = capsys.readouterr().err
+        time.sleep(0.06)
+        after = capsys.readouterr().err
+    assert "analysis: making shape functions: 0 s ..." in said
+    assert "shape functions" not in after
+
+
+def test_time_left_of_a_choice_is_that_of_the_paths_before(clock, capsys):
+    """12 load steps took 30 s, so 24 take 60 s; 36 took 84 s, so two paths of 48 take 224 s."""
+    with progress.LoadStepProgress(None, "choosing load steps") as bar:
+        clock.now += 5.0
+        bar.begin_analysis(1, 2, 12)
+        clock.now += 30.0
+        bar.begin_analysis(2, 2, 24)
+        clock.now += 54.0
+        bar.begin_analysis(3, 4, 48)
+    assert capsys.readouterr().err.splitlines() == [
+        "choosing load steps, 1 of 2 ...",
+        "choosing load steps, 2 of 2, about 60 s left ...",
+        "choosing load steps, 3 of 4, about 3.73 min left ...",
+    ]

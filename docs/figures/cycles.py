@@ -1,4 +1,5 @@
-"""The lip of the examples bent over a corner and let go, with friction and without."""
+"""Hysteresis: the lip of the examples bent over a corner and let go, with friction and without, and a
+half disc of rubber that softens."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,9 +7,10 @@ from pathlib import Path
 import numpy as np
 
 import seal_mdao as sm
-from figures.drawing import captioned_files, curves
+from figures.drawing import ROOT, captioned_files, curves
 from figures.seal_files import example
-from seal_mdao.measures.work import FrictionWork
+from seal_mdao.measures.work import FrictionWork, ProfileWork
+from seal_mdao.plotting import load_deflection, save
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 
 FRICTIONS = {0.0: GREY, 0.15: BLUE, 0.3: VERMILION}
@@ -22,8 +24,24 @@ def make(out: Path, reduced: bool) -> dict:
         result.require_converged()
     with captioned_files(file):
         _loops(out / "hysteresis.png", results)
+    softened = _softening(out / "softening.png", reduced)
     lost = [result.value(FrictionWork())[0] for result in results.values()]
-    return {f"lost_{i}": f"{abs(value):.2g}" for i, value in enumerate(lost)}
+    return {f"lost_{i}": f"{abs(value):.2g}" for i, value in enumerate(lost)} | softened
+
+
+def _softening(path: Path, reduced: bool) -> dict:
+    """Press and release the half disc of the verification twice; returns the loss of each cycle."""
+    file = sm.read_seal_file(ROOT / "tests" / "verification" / "references" / "softening_disc.toml")
+    plate = file.profiles[0]
+    stages = tuple(replace(own, steps=4 if reduced else 3 * own.steps) for own in plate.stages)
+    section = replace(file.section, spacing=1.0 if reduced else 0.6)
+    file = replace(file, section=section, profiles=(replace(plate, stages=stages),))
+    result = sm.analyze(sm.build_seal(file))
+    result.require_converged()
+    with captioned_files(file):
+        save(load_deflection(result), path)
+    losses = [result.value(ProfileWork("plate", stages=pair))[0] for pair in ((0, 2), (2, 4))]
+    return {f"softening_{i}": f"{value:.3g}" for i, value in enumerate(losses, 1)}
 
 
 def cycle(file, friction):

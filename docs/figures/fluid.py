@@ -8,6 +8,7 @@ import numpy as np
 import seal_mdao as sm
 from figures.drawing import captioned_files, picture
 from figures.seal_files import example
+from seal_mdao.loads.pressed_sides import POINTS
 from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
@@ -84,7 +85,7 @@ def _shapes(panels, result):
         response = result.path.at_nominal("fluid")[step]
         wetted = np.flatnonzero(response.outputs[:, 0] >= WETTED)
         if value:
-            axes.plot(*response.x[: 2 * wetted[-1] + 1].T, color=BLUE, linewidth=3.5)
+            axes.plot(*response.x[: POINTS * wetted[-1] + 1].T, color=BLUE, linewidth=3.5)
         section.frame(axes, low, high)
         axes.set_title(f"fluid {value:.0f} kPa{', wetted where blue' if value else ''}")
 
@@ -92,7 +93,7 @@ def _shapes(panels, result):
 def _along(axes, result):
     """Contact pressure along the edge, in the colours of the fluid's."""
     term = result.term("fluid")
-    places = term.reference[::2]
+    places = term.reference[::POINTS]
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
     for share, colour in zip(SHARES, (GREY, BLUE, VERMILION), strict=True):
         pressure = share * term.pressure

@@ -2,13 +2,23 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from figures.examples import write_example
 from figures.tables import percent, table
+from seal_mdao.calibration.cycles import SoftenedLaw, stress_in
+from seal_mdao.calibration.data import ModeData, material_tests
 from seal_mdao.calibration.fit import fit
 from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.loading_modes import MODES
+from seal_mdao.calibration.relaxation_data import relaxation_tests
+from seal_mdao.calibration.relaxation_fit import fit_relaxation
+from seal_mdao.calibration.relaxation_shift import Arrhenius
+from seal_mdao.calibration.softening_fit import fit_softening
 from seal_mdao.calibration.treloar import OGDEN_1972, treloar_tests
-from seal_mdao.plotting import material_fit, save
+from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.yeoh import Yeoh
+from seal_mdao.plotting import material_fit, relaxation_fit, save, softening_fit
 from seal_mdao.plotting.captions import captioned, materials_text
 
 DATA = "seal_mdao/calibration/treloar.csv"
@@ -28,6 +38,10 @@ def make(out: Path, reduced: bool) -> dict:
     others = {"Ogden, published 1972": OGDEN_1972, "Yeoh, fitted": yeoh.law}
     with captioned({"tests of Treloar (1944)": materials_text({"fit": ogden.law})}):
         save(material_fit(ogden, others), out / "treloar.png")
+    with captioned({"generated relaxation tests": "power law of time"}):
+        save(relaxation_fit(fit_relaxation(_generated_relaxation())), out / "relaxation.png")
+    with captioned({"generated cyclic test": "scatter of 2 %"}):
+        save(softening_fit(fit_softening("yeoh", _generated_cycles())), out / "softening_fit.png")
     write_example("fit", FIT, out, reduced)
     write_example("calibration", CALIBRATION, out, reduced, " --steps 12 --depth 6")
     absolute = fit("ogden", tests, terms=3, weighting="absolute")
@@ -43,6 +57,31 @@ def make(out: Path, reduced: bool) -> dict:
         "fitted": percent(ogden.errors["all"].rms_relative, 1),
         "published": percent(errors["all"].rms_relative, 1),
     }
+
+
+def _generated_relaxation():
+    """Forces that fall by 6 % a decade, at three temperatures, with scatter of 0.2 %."""
+    shift, rng, time = (
+        Arrhenius((80.0,), 23.0),
+        np.random.default_rng(3),
+        np.geomspace(1.0, 1e4, 33),
+    )
+    curves = []
+    for degrees in (23.0, 50.0, 80.0):
+        reduced = time / np.exp(shift.log_factor(degrees)[0])
+        force = 80.0 * (1.0 + reduced) ** -0.027 * (1.0 + 2e-3 * rng.normal(size=time.size))
+        curves.append((time, force, degrees, "specimen"))
+    return relaxation_tests(curves)
+
+
+def _generated_cycles():
+    """Three cycles of growing amplitude of a rubber that softens, with scatter of 2 %."""
+    law = SoftenedLaw(Yeoh(300.0, -20.0, 3.0), OgdenRoxburgh(1.8, 30.0, 0.2))
+    ends = [own for top in (1.3, 1.6, 2.0) for own in ((1.0, top), (top, 1.0))]
+    stretch = np.concatenate([np.linspace(*own, 14)[1:] for own in ends])
+    stress = stress_in(law, MODES["uniaxial"], ModeData(stretch, stretch, None, 3))
+    stress *= 1.0 + 0.02 * np.random.default_rng(1).normal(size=stress.size)
+    return material_tests({"uniaxial": (stretch, stress)})
 
 
 def _errors(laws: dict, tests) -> str:

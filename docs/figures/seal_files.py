@@ -13,16 +13,17 @@ from figures import self_contact
 from figures.drawing import ROOT
 from figures.tables import power, table
 from seal_mdao.file_optimization import design_bounds
-from seal_mdao.geometry.motion import Stage
 from seal_mdao.plotting import (
     deformed_shapes,
     design_comparison,
+    force_over_time,
     load_deflection,
     save,
     section_cloud,
 )
 from seal_mdao.plotting.captions import captioned, seal_text
 from seal_mdao.recording.recorded_optimization import label, shown_unit
+from seal_mdao.seals.profiles import path_stages
 from seal_mdao.seals.result import SealResult
 
 EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("*.toml"))
@@ -59,6 +60,8 @@ def _drawn(file, stem: Path, reduced: bool) -> tuple[SealResult, list]:
     save(section_cloud(result), Path(f"{stem}_section.png"))
     save(deformed_shapes(result), Path(f"{stem}_shapes.png"))
     save(load_deflection(result), Path(f"{stem}_load.png"))
+    if path_stages(seal) is not None:
+        save(force_over_time(result), Path(f"{stem}_time.png"))
     if file.optimize is None:
         return result, []
     offsets, row = (sketched if reduced else optimised)(file, seal)
@@ -105,10 +108,16 @@ def begun(file):
 
     def short(stage):
         if file.step_tolerance is not None:
-            return Stage(1, tuple(x / SHARE for x in stage.translate), stage.rotate / SHARE)
+            return replace(
+                stage, steps=1, translate=tuple(x / SHARE for x in stage.translate),
+                rotate=stage.rotate / SHARE,
+            )  # fmt: skip
         steps = max(1, stage.steps // SHARE)
         part = steps / stage.steps
-        return Stage(steps, tuple(part * x for x in stage.translate), part * stage.rotate)
+        return replace(
+            stage, steps=steps, translate=tuple(part * x for x in stage.translate),
+            rotate=part * stage.rotate,
+        )  # fmt: skip
 
     profiles = [replace(p, stages=tuple(map(short, p.stages))) for p in file.profiles]
     fluids = [

@@ -62,12 +62,26 @@ class Cost:
         return f"{duration(self.seconds)} and {self.memory:.2g} GiB"
 
 
+UNITS = (
+    ("years", 365.25 * 86_400.0), ("days", 86_400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0),
+)  # fmt: skip
+"""Units of time and their sizes, s."""
+ROUND = 8e-4
+"""Relative difference up to which a time is a number with two digits."""
+
+
 def duration(seconds: float) -> str:
-    """Format seconds in a readable unit."""
-    for unit, size in (("days", 86_400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.2g} s"
+    """Format seconds with three digits in a readable unit, or in the next smaller one where they are a
+    round number in this one only: 1000 h, not 41.7 days."""
+    if seconds < 120.0:
+        return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.2g} s"
+    fitting = [(unit, seconds / size) for unit, size in UNITS if seconds >= 2.0 * size]
+    for unit, value in fitting[:2]:
+        short = float(f"{value:.2g}")
+        if math.isclose(short, value, rel_tol=ROUND):
+            return f"{short:g} {unit}"
+    unit, value = fitting[0]
+    return f"{value:.3g} {unit}"
 
 
 _SEEN = WeakKeyDictionary()
@@ -141,8 +155,8 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
     there, hours = machine_memory(), most_hours()
     what = f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about"
     fewer = (
-        "use fewer particles (rays, layers), Gauss points (n_gauss) or load steps (steps of a seal "
-        "file, n_steps in Python)"
+        "use fewer particles (rays, layers), Gauss points (quadrature of a seal file, n_gauss in "
+        "Python) or load steps (steps, n_steps)"
     )
     if cost.memory > there:
         raise TooLargeError(

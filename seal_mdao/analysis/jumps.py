@@ -48,7 +48,7 @@ def released_energy(problem: PathProblem, now: Assembly, last: ConvergedStep, ta
     """
     # work of the prescribed displacements with the forces at both ends of the increment:
     # the smaller one bounds the released energy, the larger one in amount bounds the work
-    prescribed = [problem.prescribed_work(at.d, last.fraction, target) for at in (last, now)]
+    prescribed = [problem.prescribed_work(at.d, last, target) for at in (last, now)]
     released, work = min(prescribed), max(map(abs, prescribed))
     # released = sum over terms of (work of the loading - stored energy - friction), bounded below
     for term, before, own in zip(problem.terms, last.responses, now.responses, strict=True):

@@ -71,7 +71,9 @@ def _prescribed_rate(problem: PathProblem, last: ConvergedStep, du, step=1e-6) -
 
     By a forward difference, which suffices for the predictor.
     """
-    moved, own = (problem.forces_on_all(d, last.fraction) for d in (last.d + step * du, last.d))
+    moved, own = (
+        problem.forces_on_all(d, last.fraction, last.before) for d in (last.d + step * du, last.d)
+    )
     change = moved - own
     return problem.discretization.layout.reduce(change / step)
 

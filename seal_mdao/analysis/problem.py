@@ -108,7 +108,7 @@ class PathProblem:
         # with prescribed displacements |r| is relative to the forces on all components, too
         prescribed = 0.0
         if self.imposed is not None:
-            prescribed = float(np.linalg.norm(self.forces_on_all(d, fraction)))
+            prescribed = float(np.linalg.norm(self.forces_on_all(d, fraction, history)))
         residual, size, relative = relative_residual(forces[:, : layout.n_equations], prescribed)
         return Assembly(
             self, d, forces, tuple(responses), values, tuple(term.iteration for term in self.terms),
@@ -150,9 +150,10 @@ class PathProblem:
 
     # ---- prescribed displacements ----
 
-    def forces_on_all(self, d, fraction: float) -> np.ndarray:
+    def forces_on_all(self, d, fraction: float, history: tuple) -> np.ndarray:
         """Sum the forces of the terms that act on prescribed components, at all components, (n, 2)."""
-        found = (term.forces(d, fraction) for term in self.terms)
+        both = zip(self.terms, history, strict=True)
+        found = (term.forces(d, fraction, own) for term, own in both)
         return sum(forces for forces in found if forces is not None)
 
     def support_forces(self, step: ConvergedStep) -> np.ndarray:
@@ -163,7 +164,7 @@ class PathProblem:
         every = self.discretization.layout.every_component.equations
         # R = sum of the forces f~ of all terms at prescribed components; the body exerts -R
         total = np.zeros((every.size + 1, 1))
-        total[:-1, 0] = self.forces_on_all(step.d, step.fraction).ravel()
+        total[:-1, 0] = self.forces_on_all(step.d, step.fraction, step.before).ravel()
         tables = self.discretization.tables
         for table, response in zip(tables, step.responses, strict=True):
             if table is not None:
@@ -183,13 +184,12 @@ class PathProblem:
         increment = self.imposed.at(target) - self.imposed.at(fraction)
         return np.where(self.discretization.layout.equations < 0, increment, 0.0)
 
-    def prescribed_work(self, d, fraction: float, target: float) -> float:
-        """Compute the work of the forces at ``d`` on prescribed displacements, mJ/m.
-
-        Between the path parameters ``fraction`` and ``target``.
-        """
+    def prescribed_work(self, d, last: ConvergedStep, target: float) -> float:
+        """Compute the work of the forces at ``d``, with the loading of the step ``last``, on prescribed
+        displacements between this step and ``target``, mJ/m."""
         if self.imposed is None:
             return 0.0
         # W = f_p . (u_p(target) - u_p(fraction)), sum over the prescribed components p
-        work = self.forces_on_all(d, fraction) * self.prescribed_increment(fraction, target)
+        forces = self.forces_on_all(d, last.fraction, last.before)
+        work = forces * self.prescribed_increment(last.fraction, target)
         return float(np.sum(work[self.discretization.layout.equations < 0]))

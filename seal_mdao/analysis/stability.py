@@ -140,7 +140,7 @@ def _available(increment: Increment) -> float:
     problem, last, target = increment.problem, increment.last, increment.target
     # Pi(d_n, lambda) ~ Pi_n + dPi/dlambda (lambda - lambda_n) + work of prescribed displacements
     work = _driving(problem, last) * (target - last.fraction)
-    work += problem.prescribed_work(last.d, last.fraction, target)
+    work += problem.prescribed_work(last.d, last, target)
     return _potential(problem, last, last.fraction) + work
 
 

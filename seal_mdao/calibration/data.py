@@ -10,16 +10,19 @@
 compression; ``stress_kPa`` is the nominal stress, force over undeformed area, negative in
 compression. A fourth column ``lateral_stretch`` holds the stretch of the free directions, for
 compressible laws. The order of the columns is free.
+
+The order of the readings matters for cyclic tests alone: where the stretch of a mode goes back, its
+readings stay in the order of the test.
 """
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.calibration.csv_columns import MaterialDataError, read_rows
+from seal_mdao.calibration.cycles import unloadings
 from seal_mdao.calibration.loading_modes import MODES
-from seal_mdao.input_files import filled_lines
 
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"
@@ -31,24 +34,23 @@ NEAR_ONE = 0.02
 """Distance from a stretch of 1 within which the sign of a stress is not checked."""
 
 
-class MaterialDataError(ValueError):
-    """Error in a file of test data, with file, line and column."""
-
-
 @dataclass(frozen=True, eq=False)
 class ModeData:
-    """Readings of one mode, sorted by stretch.
+    """Readings of one mode, sorted by stretch; those of a cyclic test in its order.
 
     Attributes
     ----------
     stretch, stress : ndarray, shape (m,)
         Stress in kPa.
     lateral : ndarray, shape (m,), or None
+    unloadings : int
+        Number of unloadings, 0 unless the test is cyclic; see ``cycles.unloadings``.
     """
 
     stretch: np.ndarray
     stress: np.ndarray
     lateral: np.ndarray | None = None
+    unloadings: int = 0
 
     @property
     def range(self) -> tuple[float, float]:
@@ -84,9 +86,20 @@ class MaterialTests:
         return sum(data.stretch.size for data in self.modes.values())
 
     @property
+    def cycles(self) -> str:
+        """What a cyclic test is, for messages."""
+        counts = [f"{d.unloadings} of {name}" for name, d in self.modes.items() if d.unloadings]
+        return f"this is a cyclic test, with unloadings: {', '.join(counts)}"
+
+    @property
     def has_lateral(self) -> bool:
         """Whether lateral stretches were measured in every mode."""
         return all(data.lateral is not None for data in self.modes.values())
+
+    @property
+    def cyclic(self) -> bool:
+        """Whether a mode has unloadings."""
+        return any(data.unloadings for data in self.modes.values())
 
     def between(self, lower: float, upper: float) -> "MaterialTests":
         """Select the readings with a stretch from ``lower`` to ``upper``.
@@ -94,8 +107,13 @@ class MaterialTests:
         Raises
         ------
         MaterialDataError
-            If no reading remains.
+            If no reading remains, and for cyclic tests, whose history would be cut.
         """
+        if self.cyclic:
+            raise MaterialDataError(
+                f"{self.source}: {self.cycles}; its stretches cannot be limited, because the stress "
+                "depends on the largest one so far"
+            )
         cut = {name: data.between(lower, upper) for name, data in self.modes.items()}
         cut = {name: data for name, data in cut.items() if data.stretch.size}
         if not cut:
@@ -135,70 +153,13 @@ def read_tests(path) -> MaterialTests:
     MaterialDataError
         In one line: file, line, column, what is wrong and what is allowed.
     """
-    path = Path(path)
-    filled = filled_lines(path, MaterialDataError)
-    if not filled:
-        raise MaterialDataError(f"{path}: the file is empty; it needs the line {','.join(COLUMNS)}")
-    columns = _header(*filled[0])
-    rows = [_row(*own, columns) for own in filled[1:]]
-    if not rows:
-        raise MaterialDataError(f"{path}: there is no reading below the line of column names")
+    path, rows = Path(path), []
+    for where, found in read_rows(path, COLUMNS, (LATERAL,), ("mode",)):
+        # in this order, whatever the order of the columns
+        row = tuple(found[column] for column in (*COLUMNS, LATERAL) if column in found)
+        _check(where, *row)
+        rows.append(row)
     return _collected(rows, str(path))
-
-
-def _cells(line: str) -> list[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line]))]
-    except csv.Error:  # a cell beyond csv's limit of length cannot be a number
-        return [""]
-
-
-def _header(where: str, line: str) -> list[str]:
-    """Parse and validate the names of the columns.
-
-    The message quotes the line only if it has the columns of test data, because a seal file may name
-    any file of the machine."""
-    columns, allowed = _cells(line), (*COLUMNS, LATERAL)
-    missing = [column for column in COLUMNS if column not in columns]
-    unknown = [column for column in columns if column not in allowed]
-    twice = [column for column in columns if columns.count(column) > 1]
-    if missing:
-        raise MaterialDataError(
-            f"{where}: there is no column {missing[0]!r}; the columns are {', '.join(COLUMNS)} and "
-            f"perhaps {LATERAL}, separated by commas"
-        )
-    if unknown:
-        raise MaterialDataError(
-            f"{where}: unknown column {unknown[0][:40]!r}; allowed are {', '.join(allowed)}, "
-            "separated by commas"
-        )
-    if twice:
-        raise MaterialDataError(f"{where}: the column {twice[0]!r} is there twice")
-    return columns
-
-
-def _row(where: str, line: str, columns: list[str]) -> tuple:
-    """Parse and validate one line: mode, stretch, stress and perhaps lateral stretch."""
-    cells = _cells(line)
-    if len(cells) != len(columns):
-        raise MaterialDataError(
-            f"{where}: {len(cells)} values for {len(columns)} columns ({', '.join(columns)}); "
-            "decimals need a point"
-        )
-    found = dict(zip(columns, cells, strict=True))
-    for column in columns:
-        try:
-            # Python alone reads 1_0 as a number: refuse it
-            if column != "mode":
-                found[column] = float(found[column].replace("_", "?"))
-        except ValueError:
-            raise MaterialDataError(
-                f"{where}, column {column}: {found[column][:40]!r} is not a number"
-            ) from None
-    # in this order, whatever the order of the columns
-    row = tuple(found[column] for column in (*COLUMNS, LATERAL) if column in found)
-    _check(where, *row)
-    return row
 
 
 def _check(where: str, mode: str, stretch: float, stress: float, lateral: float = 1.0) -> None:
@@ -232,10 +193,15 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
 def _collected(rows, source: str) -> MaterialTests:
     modes = {}
     for name in MODES:
-        # sorted by stretch; at lambda = 1 there is no information
-        own = np.array(sorted(row[1:] for row in rows if row[0] == name and row[1] != 1.0))
-        if own.size:
-            modes[name] = ModeData(*own.T)
+        every = [row[1:] for row in rows if row[0] == name]
+        # at lambda = 1 there is no information but that of the order
+        count = unloadings([row[0] for row in every])
+        own = [row for row in every if row[0] != 1.0]
+        if own:
+            # sorted by stretch, unless the order is that of cycles
+            columns = np.array(own if count else sorted(own)).T
+            lateral = columns[2] if len(columns) > 2 else None
+            modes[name] = ModeData(columns[0], columns[1], lateral, count)
             if not np.any(modes[name].stress):
                 raise MaterialDataError(f"{source}: every stress of the mode {name} is zero")
     if not modes:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.calibration.data import MaterialTests
-from seal_mdao.calibration.loading_modes import MODES
+from seal_mdao.calibration.loading_modes import MODES, Mode
 from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam
@@ -196,10 +196,12 @@ def family(
 
 def largest_distortion(tests: MaterialTests) -> float:
     """Compute the largest I1 - 3 of the data at J = 1."""
-    found = 0.0
-    for name, data in tests.modes.items():
-        mode = MODES[name]
-        state = mode.stretches(data.stretch, data.stretch**mode.incompressible_rate)
-        # I1 - 3 = sum lambda_i^2 - 3
-        found = max(found, float(np.max(np.sum(state**2, axis=0) - 3.0)))
-    return found
+    found = [distortion(MODES[name], data.stretch).max() for name, data in tests.modes.items()]
+    return max(0.0, *map(float, found))
+
+
+def distortion(mode: Mode, stretch: np.ndarray) -> np.ndarray:
+    """Compute I1 - 3 of stretches in one mode at J = 1."""
+    state = mode.stretches(stretch, stretch**mode.incompressible_rate)
+    # I1 - 3 = sum lambda_i^2 - 3
+    return np.sum(state**2, axis=0) - 3.0

@@ -7,12 +7,14 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
+from seal_mdao.calibration.cycles import SoftenedLaw
 from seal_mdao.calibration.data import MaterialDataError, MaterialTests
 from seal_mdao.calibration.families import Family, family
 from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
 from seal_mdao.calibration.residuals import residuals
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.materials.softening import OgdenRoxburgh
 from seal_mdao.values import integer, real
 
 DRAWS, STARTS = 200, 12
@@ -52,6 +54,8 @@ class Fit:
         Fitted constants.
     correlation : ndarray, shape (k, k)
         Correlation of their errors.
+    softening : OgdenRoxburgh or None
+        Of a cyclic test, fitted together with the law.
     """
 
     name: str
@@ -67,6 +71,12 @@ class Fit:
     standard_errors: dict
     unknowns: tuple
     correlation: np.ndarray
+    softening: OgdenRoxburgh | None = None
+
+    @property
+    def tested_law(self) -> Isotropic | SoftenedLaw:
+        """The law with its softening, if it has one."""
+        return self.law if self.softening is None else SoftenedLaw(self.law, self.softening)
 
     @property
     def stable(self) -> bool:
@@ -75,10 +85,10 @@ class Fit:
 
 
 @dataclass(frozen=True, eq=False)
-class _End:
-    """Result of one start."""
+class End:
+    """Result of one start; ``law`` is an ``Isotropic`` or a ``SoftenedLaw``."""
 
-    law: Isotropic
+    law: Isotropic | SoftenedLaw
     cost: float
     unknowns: tuple
 
@@ -119,7 +129,7 @@ def fit(
     Raises
     ------
     MaterialDataError
-        If there are fewer readings than constants.
+        If there are fewer readings than constants, and for cyclic tests, which need ``fit_softening``.
     UnstableMaterialError
         If no minimum is stable, with file, mode and stretch.
     ValueError
@@ -127,6 +137,11 @@ def fit(
     """
     real("margin", margin, 0.0)
     integer("seed", seed, 0)
+    if tests.cyclic:
+        raise MaterialDataError(
+            f"{tests.source}: {tests.cycles}; fit it with softening (seal-mdao fit, fit_softening), or "
+            "take its first loading alone (readings that are sorted by stretch are no cycles)"
+        )
     kind = family(law, tests, **options)
     # Poisson's ratios are fitted to the lateral stretches unless given
     lateral = law == "hyperfoam" and options.get("nu") is None
@@ -140,7 +155,7 @@ def fit(
     ends = _ends(kind, differences, scale, np.random.default_rng(seed), progress)
     ranges = {name: data.range for name, data in tests.modes.items()}
     chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
-    deviations, correlation = _uncertainty(differences, chosen)
+    deviations, correlation = uncertainty(differences, chosen)
     # a minimum that many starts reach is likely the global one
     agreeing = sum(end.cost <= chosen.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
@@ -164,7 +179,7 @@ def _first_stable(ends, ranges, margin, allow_unstable, law, source):
 # ---- starts ----
 
 
-def _ends(kind: Family, differences, scale: float, rng, progress) -> list[_End]:
+def _ends(kind: Family, differences, scale: float, rng, progress) -> list[End]:
     """Minimise from all starts; return the results, the best first."""
     # sample the nonlinear constants, solve for the moduli, and descend from the best samples
     started = []
@@ -176,7 +191,7 @@ def _ends(kind: Family, differences, scale: float, rng, progress) -> list[_End]:
     # the best samples, each followed to a minimum
     chosen, ends = sorted(started, key=lambda start: start[0])[:STARTS], []
     for i, (_, values, unknowns) in enumerate(chosen, 1):
-        ends.append(_descend(kind.template, unknowns, values, differences, scale))
+        ends.append(descend(kind.template, unknowns, values, differences, scale))
         if progress is not None:
             progress(i, len(chosen))
     # starts that failed are dropped
@@ -214,7 +229,7 @@ def _best_moduli(template, unknowns, values, differences, scale):
     return found.cost, {**values, **dict(zip(names, inside.tolist(), strict=True))}
 
 
-def _descend(template, unknowns, values, differences, scale):
+def descend(template, unknowns, values, differences, scale):
     """Minimise the sum of squares over all unknowns from one start; moduli over the largest stress."""
     names = tuple(unknown.name for unknown in unknowns)
     # all unknowns of order one
@@ -237,7 +252,7 @@ def _descend(template, unknowns, values, differences, scale):
         )  # fmt: skip
     except (ValueError, np.linalg.LinAlgError):  # residuals not finite, or invalid constants
         return None
-    return _End(_sorted_terms(law_of(found.x)), 2.0 * float(found.cost), names)
+    return End(_sorted_terms(law_of(found.x)), 2.0 * float(found.cost), names)
 
 
 def _sorted_terms(law):
@@ -257,7 +272,7 @@ def _sorted_terms(law):
 # ---- uncertainty ----
 
 
-def _uncertainty(differences, end: _End):
+def uncertainty(differences, end: End):
     """Compute standard errors of the constants and their correlation."""
     names = end.unknowns
     # covariance C = s^2 (A^T A)^-1,  s^2 = |r|^2 / (m - k),  A = dr/d(constants)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.calibration.cycles import SoftenedLaw, stress_in
 from seal_mdao.calibration.data import MaterialTests
-from seal_mdao.calibration.loading_modes import MODES, nominal_stress
+from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.residuals import relative_to, stress_scales
 from seal_mdao.materials.isotropic import Isotropic
 
@@ -47,7 +48,7 @@ class FitErrors:
         return asdict(self)
 
 
-def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
+def errors_of(law: Isotropic | SoftenedLaw, tests: MaterialTests) -> dict[str, FitErrors]:
     """Compute the errors of every mode, and of all readings together under ``"all"``."""
     columns = {
         name: (data.stretch, data.stress, _computed(law, name, data), relative_to(data.stress))
@@ -58,7 +59,7 @@ def errors_of(law: Isotropic, tests: MaterialTests) -> dict[str, FitErrors]:
 
 
 def _computed(law, name, data) -> np.ndarray:
-    return nominal_stress(law, MODES[name], data.stretch)
+    return stress_in(law, MODES[name], data)
 
 
 def _errors(stretch, measured, computed, reference) -> FitErrors:
@@ -118,7 +119,7 @@ def residual_table(found) -> list[Reading]:
     # weighted as in the fit, but without the factor sqrt(m) of the modes
     scales, columns = stress_scales(found.tests, found.weighting), {}
     for name, data in found.tests.modes.items():
-        computed = _computed(found.law, name, data)
+        computed = _computed(found.tested_law, name, data)
         difference = computed - data.stress
         weighted = difference / scales[name]
         columns[name] = data.stretch, data.stress, computed, difference, weighted

@@ -13,8 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from seal_mdao.calibration.cycles import response_to
 from seal_mdao.calibration.data import MaterialTests
-from seal_mdao.calibration.loading_modes import MODES, response
+from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.values import one_of
 
 WEIGHTINGS = ("relative", "absolute")
@@ -47,7 +48,7 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
         values, slopes = [], []
         rows = [law.names.index(name) for name in names]
         for name, data in tests.modes.items():
-            found = response(law, MODES[name], data.stretch)
+            found = response_to(law, MODES[name], data)
             columns = [(found.stress, data.stress, found.stress_rates, scales[name])]
             if lateral:
                 scale = _lateral_scale(data.lateral - 1.0, weighting)

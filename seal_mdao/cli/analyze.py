@@ -8,6 +8,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import (
     announce,
     critical_table,
@@ -28,7 +29,7 @@ from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.conditions import conditions_text
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
 from seal_mdao.seals.local_states import stress_peak
-from seal_mdao.seals.profiles import ProfileHistory, contacts, profile_histories
+from seal_mdao.seals.profiles import ProfileHistory, contacts, path_stages, profile_histories
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
 from seal_mdao.values import place
@@ -99,6 +100,7 @@ def summarize(result: SealResult) -> dict:
         "n_particles": len(result.particles),
         "n_steps": len(steps),
         "conditions": result.seal.conditions(len(steps)),
+        **stage_times(result.seal),
         "area_mm2": result.seal.area(result.boundary_offsets)[0],
         f"reaction_{result.seal.units.force_key}": reaction_tables(result),
         **({"mean_radius_mm": result.seal.units.radius} if result.seal.body.axisymmetric else {}),
@@ -132,6 +134,24 @@ def summarize(result: SealResult) -> dict:
         # penetration is -g_n where g_n < 0
         summary["max_penetration_mm"] = max([0.0, *(-gap for gap in gaps)])
     return summary | measured(result)
+
+
+def stage_times(seal) -> dict:
+    """List the stages with their durations, times at their ends, and whether nothing moves, heats or
+    presses in them, as ``stage_times``; nothing for stages that take no time."""
+    found = path_stages(seal)
+    if found is None:
+        return {}
+    rows = zip(found.durations, found.times[1:], found.dwells, strict=True)
+    return {
+        "stage_times": [
+            {
+                "stage": number, "duration_s": taken, "end_s": end, "duration": duration(taken),
+                "end": duration(end), "dwell": bool(dwell),
+            }
+            for number, (taken, end, dwell) in enumerate(rows, 1)
+        ]
+    }  # fmt: skip
 
 
 def at_profile(result: SealResult, history: ProfileHistory) -> dict:
@@ -199,6 +219,9 @@ def draw(result: SealResult, out: Path) -> None:
         "deformed_shapes": plotting.deformed_shapes,
         "load_deflection": plotting.load_deflection,
     }
+    # materials relax, or stages have durations
+    if path_stages(result.seal) is not None:
+        figures["force_over_time"] = plotting.force_over_time
     # moved edges are in no contact
     if contacts(result.seal):
         figures["contact_pressure"] = plotting.contact_pressure
@@ -274,6 +297,8 @@ def report(result: SealResult, summary: dict) -> None:
             value = ", ".join(f"{v:.6g}" for v in np.atleast_1d(found["value"]))
             around = [f"{v:.6g}" for v in np.atleast_1d(found.get("N_per_mm", []))]
             around = f" ({', '.join(around)} N/mm)" if around else ""
+            if found["unit"] == "s" and np.all(np.asarray(found["value"]) >= 120.0):
+                around = f" ({', '.join(map(duration, np.atleast_1d(found['value'])))})"
             at = f", at {place(found['at_mm'])} undeformed" if "at_mm" in found else ""
             print(f"{name} = {value} {found['unit'] or ''}".rstrip() + around + at)
     if result.converged:

@@ -7,13 +7,13 @@ from seal_mdao.cli.analyze import analyzed, summarize
 from seal_mdao.cli.arguments import WrongArgumentError, parser, write_summary
 from seal_mdao.cli.seal_files import file_of
 from seal_mdao.export.csv_tables import write_curves
-from seal_mdao.seals.profiles import contacts, moves
+from seal_mdao.seals.profiles import contacts
 
-KEYS = (
-    "area_mm2", "true_peak_pressure_kPa", "deformed_contact_width_mm", "largest_gap_mm",
-    "largest_von_mises_kPa",
-)  # fmt: skip
-"""Keys of the summary of ``seal-mdao analyze`` that are printed, at the end of the path."""
+KEYS = ("area_mm2", "true_peak_pressure_kPa", "largest_gap_mm", "largest_von_mises_kPa")
+"""Keys of the summary of ``seal-mdao analyze`` that are printed, at the end of the path: the largest
+values over all profiles and the section."""
+WIDTH = "deformed_contact_width_mm"
+"""Key of the width in contact with a profile."""
 
 
 def main(arguments) -> int:
@@ -38,7 +38,7 @@ def main(arguments) -> int:
     if nominal:
         plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
     moving = {
-        name: [own.label for own in contacts(result.seal) if moves(own.motion)]
+        name: [own.label for own in contacts(result.seal) if own.motion.moves]
         for name, result in results.items()
     }
     units = {name: result.seal.units for name, result in results.items()}
@@ -75,6 +75,12 @@ def print_table(summary: dict, moving: dict, units: dict) -> None:
             )
             for label in moving[name]
             if own["profiles"][label]
+        ]
+        # the width in contact of every profile, also of those that stand still
+        parts += [
+            f"{end[WIDTH]:.4g} mm in contact with {label}"
+            for label, end in own["profiles"].items()
+            if WIDTH in end
         ]
         parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
         for text in own["warnings"] or ():

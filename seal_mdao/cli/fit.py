@@ -1,4 +1,8 @@
-"""Fit the constants of a rubber to tests: summary.json, a picture, a table for a seal file."""
+"""Fit the constants of a rubber to tests: summary.json, a picture, a table for a seal file.
+
+The file decides what is fitted: a law of stress over stretch, with softening (Mullins effect) if the
+stretch goes back in the order of the file, or relaxation (column time_s).
+"""
 
 import sys
 import time
@@ -8,17 +12,23 @@ from pathlib import Path
 from tqdm import tqdm
 
 from seal_mdao import plotting
+from seal_mdao.calibration.csv_columns import columns_of
 from seal_mdao.calibration.data import MaterialDataError, read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit import Fit, fit
 from seal_mdao.calibration.fit_errors import residual_table, write_residuals
 from seal_mdao.calibration.material_stability import MARGIN, UnstableMaterialError
+from seal_mdao.calibration.relaxation_data import TIME
+from seal_mdao.calibration.relaxation_shift import SHIFTS
 from seal_mdao.calibration.residuals import WEIGHTINGS
-from seal_mdao.calibration.seal_file import material_table
+from seal_mdao.calibration.seal_file import MODULI, material_table, softening_table
+from seal_mdao.calibration.softening_fit import BETA, fit_softening
+from seal_mdao.cli import fit_relaxation
 from seal_mdao.cli.arguments import (
     WrongArgumentError,
     checked_arguments,
     parser,
+    positive_integer,
     write_summary,
 )
 from seal_mdao.materials.by_name import LAWS
@@ -27,17 +37,54 @@ MOST_TOLD = 10
 """Largest number of outliers that are printed."""
 
 
+OF_LAWS = (
+    "law",
+    "nu",
+    "weighting",
+    "stretches",
+    "bulk_modulus",
+    "margin",
+    "allow_unstable",
+    "seed",
+)
+"""Options of tests of stress over stretch."""
+OF_RELAXATION = ("tau", "ramp", "shift", "reference", "entropic", "moduli")
+"""Options of relaxation tests."""
+
+
 def main(arguments) -> int:
-    begun = time.perf_counter()
     try:
-        found = fitted(arguments)
-        with checked_arguments():
-            # table [material] for a seal file
-            table = material_table(found.law, found.name, arguments.name, notes(found, arguments))
+        relaxation = TIME in columns_of(arguments.csv)
+        require_options(arguments, relaxation)
+        return (fit_relaxation.main if relaxation else fit_law)(arguments)
     except (MaterialDataError, UnstableMaterialError) as error:
         # data or material are at fault, not the arguments
         print(f"seal-mdao fit: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
+
+
+def require_options(arguments, relaxation: bool) -> None:
+    """Refuse options of the other kind of test."""
+    kinds = "relaxation tests (column time_s)", "tests of stress over stretch (column stretch)"
+    own, other = kinds if relaxation else kinds[::-1]
+    for name in OF_LAWS if relaxation else OF_RELAXATION:
+        if name in arguments.given:
+            option = f"--{name.replace('_', '-')}"
+            raise WrongArgumentError(f"{option} is for {other}; {arguments.csv} has {own}")
+    if not relaxation and arguments.law is None:
+        raise WrongArgumentError(f"--law is missing: the law to fit, one of {', '.join(LAWS)}")
+
+
+def fit_law(arguments) -> int:
+    """Fit a law to tests of stress over stretch."""
+    begun = time.perf_counter()
+    found = fitted(arguments)
+    with checked_arguments():
+        # table [material] for a seal file
+        table = material_table(found.law, found.name, arguments.name, notes(found, arguments))
+        if found.softening is not None:
+            lines = softening_notes(found)
+            table += "\n" + softening_table(found.softening, arguments.name, lines)
     # computed minus measured stress at every reading
     rows = residual_table(found)
     # deviations far beyond the standard deviation of the others
@@ -46,7 +93,8 @@ def main(arguments) -> int:
     write_summary(arguments.out, summary | {"outliers": [asdict(row) for row in outliers]})
     write_residuals(rows, arguments.out / "residuals.csv")
     (arguments.out / "material.toml").write_text(table, encoding="utf-8")
-    plotting.save(plotting.material_fit(found), arguments.out / "fit.png")
+    figure = plotting.material_fit if found.softening is None else plotting.softening_fit
+    plotting.save(figure(found), arguments.out / "fit.png")
     report(found, table, arguments.out)
     report_outliers(outliers)
     return 0
@@ -70,7 +118,7 @@ def fitted(arguments) -> Fit:
 
         try:
             # least squares from several starts, with the check of stability
-            return fit(
+            return (fit_softening if tests.cyclic else fit)(
                 arguments.law, tests, terms=arguments.terms or 1, nu=arguments.nu,
                 bulk_modulus=arguments.bulk_modulus, weighting=arguments.weighting,
                 margin=arguments.margin, seed=arguments.seed,
@@ -84,11 +132,16 @@ def fitted(arguments) -> Fit:
 
 def summarize(found: Fit, arguments, wall: float) -> dict:
     """Collect summary.json: constants, errors, correlation and stability."""
+    cyclic = {} if found.softening is None else {
+        "softening": asdict(found.softening),
+        "unloadings": {name: data.unloadings for name, data in found.tests.modes.items()},
+    }  # fmt: skip
     return {
         "data": str(arguments.csv),
         "readings": {name: data.stretch.size for name, data in found.tests.modes.items()},
         "law": found.name,
         "constants": found.law.constants,
+        **cyclic,
         "standard_errors": found.standard_errors,
         "correlation": dict(zip(found.unknowns, found.correlation.tolist(), strict=True)),
         "initial_shear_modulus_kPa": found.law.shear_modulus,
@@ -125,8 +178,21 @@ def notes(found: Fit, arguments) -> list[str]:
     return lines
 
 
+def softening_notes(found: Fit) -> list[str]:
+    """Write the comment lines above the constants of the softening."""
+    lines = ["Mullins effect, law of Ogden and Roxburgh; m in kPa"]
+    if BETA not in found.unknowns:
+        lines.append("one amplitude determines m + beta W_max alone: beta is taken as 0")
+    return lines
+
+
 def report(found: Fit, table: str, out: Path) -> None:
-    for name, value in found.law.constants.items():
+    if found.softening is not None:
+        print(
+            f"{found.tests.cycles}: softening is fitted (if the order of the file is not that of a "
+            "test, sort it by stretch)"
+        )
+    for name, value in found.tested_law.constants.items():
         # fixed constants have no standard error
         error = found.standard_errors.get(name)
         print(f"{name:14s} {value:12.6g}" + ("" if error is None else f"  +- {error:.2g}"))
@@ -159,18 +225,26 @@ def report_outliers(outliers) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/material", "CSV --law LAW", "seal-mdao fit tests.csv --law yeoh")
+    made = parser(__doc__, "out/material", "CSV", "seal-mdao fit tests.csv --law yeoh")
     made.add_argument(
         "csv", type=Path, metavar="CSV",
-        help="columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa (nominal), and "
-        "lateral_stretch for hyperfoam if measured",
+        help="columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa (nominal; loading and "
+        "unloading in the order of a cyclic test), and lateral_stretch for hyperfoam if measured; or "
+        "time_s and one of stress_kPa, force_N, ratio, and perhaps temperature_degC and test",
     )  # fmt: skip
-    add = made.add_argument
-    add("--law", required=True, choices=tuple(LAWS), help="law to fit")
-    terms = tuple(range(1, MAX_TERMS + 1))
-    add(
-        "--terms", type=int, choices=terms, help=f"terms of {' and '.join(OF_TERMS)}; 1 if left out"
-    )
+    made.add_argument(
+        "--terms", type=positive_integer, metavar="N",
+        help=f"terms of {' and '.join(OF_TERMS)}, at most {MAX_TERMS}, 1 if left out; or of the Prony "
+        "series, as many as the data justify if left out",
+    )  # fmt: skip
+    made.add_argument("--name", default="rubber", metavar="NAME", help="material in the seal file")
+    add_law_options(made.add_argument_group("stress over stretch").add_argument)
+    add_relaxation_options(made.add_argument_group("relaxation").add_argument)
+    return made
+
+
+def add_law_options(add) -> None:
+    add("--law", choices=tuple(LAWS), help="law to fit")
     add("--nu", type=float, metavar="NU", help="Poisson's ratio of hyperfoam, if not measured")
     add(
         "--weighting",
@@ -191,6 +265,30 @@ def arguments_parser():
         help="widen the tested ranges by this fraction of ln(stretch) for the check of stability",
     )  # fmt: skip
     add("--allow-unstable", action="store_true", help="take constants that are not stable, too")
-    add("--name", default="rubber", metavar="NAME", help="of the material in the seal file")
     add("--seed", type=int, default=0, metavar="N", help="of the start values")
-    return made
+
+
+def add_relaxation_options(add) -> None:
+    add(
+        "--tau", type=float, nargs="+", metavar="S", help="given relaxation times; only g is fitted"
+    )
+    add(
+        "--ramp", type=float, default=0.0, metavar="S",
+        help="duration of the loading at a constant rate; earlier readings are left out",
+    )  # fmt: skip
+    add(
+        "--shift", choices=tuple(SHIFTS),
+        help="shift of the times with the temperature; the better one if left out",
+    )  # fmt: skip
+    add(
+        "--reference", type=float, metavar="DEGC",
+        help="reference temperature, one of the tested; the one nearest to 23 if left out",
+    )  # fmt: skip
+    add(
+        "--entropic", action="store_true",
+        help="moduli in proportion to the absolute temperature; for a test at several temperatures",
+    )  # fmt: skip
+    add(
+        "--moduli", choices=MODULI, default=MODULI[0],
+        help="which moduli the constants of the law in the seal file are",
+    )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from seal_mdao.seals.profiles import contacts, moves, profile_histories
+from seal_mdao.seals.profiles import contacts, profile_histories
 
 MOST_ROWS = 10
 """Largest number of rows for a load-unload segment; the last load step is always one of them."""
@@ -32,17 +32,17 @@ def force_lines(result) -> list[str]:
         converged load step.
     """
     found, units = [], result.seal.units
+    names = " and ".join(units.directions)
     beside = f", the same in N {units.along}" if units.radius else ""
     for contact, history in zip(contacts(result.seal), profile_histories(result), strict=True):
-        if not moves(contact.motion) or not len(history.stage):
+        if not contact.motion.moves or not len(history.stage):
             continue
         size = np.hypot(*history.force.T)
         for segment in history.load_segments:
             along = "turn (deg)" if segment.turns else "travel (mm)"
             stages = ", ".join(map(str, segment.stages))
             found.append(
-                f"{history.label}, stage {stages}: {along}, horizontal and vertical force "
-                f"({units.force}){beside}"
+                f"{history.label}, stage {stages}: {along}, {names} force ({units.force}){beside}"
             )
             # evenly distributed load steps up to the last one
             first, last = segment.steps.start, segment.steps.stop - 1

@@ -10,7 +10,13 @@ import shapely
 
 from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.dxf import Drawing, boundary_layers, read_drawing
+from seal_mdao.seals.outline.dxf import (
+    Drawing,
+    boundary_layers,
+    read_by_corners,
+    read_drawing,
+    write_dxf,
+)
 
 SQUEEZE = 0.2
 """Travel of the plate after first contact, as a fraction of the height of the drawing."""
@@ -18,6 +24,14 @@ SAGITTA = 1e-3
 """Largest distance of the polygon of a section from its arcs, mm."""
 CLEARANCE = 0.02
 """Initial clearance of the plate, as a fraction of the height of the drawing."""
+ANNOTATION = re.compile(
+    r"cent(er|re)|(^|[^a-z])ax[ie]s|dim(ension)?s?($|[^a-z])|hidden|phantom|construct|border|frame|title"
+    r"|notes?($|[^a-z])|defpoints|mittel|bema(ss|ß)|hilf|rahmen",
+    re.IGNORECASE,
+)
+"""Names of layers of centre lines, dimensions, construction lines and frames, English and German."""
+LAYERED = "_edges.dxf"
+"""End of the name of a drawing that is written with a layer for every edge."""
 MATERIAL = """\
 [material.{name}]
 shore_a = 60
@@ -85,6 +99,7 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
         That of the seal file.
     units, parting, ignore
         As of ``read_drawing``; without ``parting`` a layer of lines between rubbers is looked for.
+        Layers that are annotation by their names are left out where the others are a section then.
 
     Raises
     ------
@@ -93,7 +108,12 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     WrongArgumentError
         For a drawing with one edge only.
     """
-    drawing, parting = _read(path, units, parting, ignore)
+    path, drawing, parting, ignore = _read(
+        path, units, parting, ignore, folder / f"{name}{LAYERED}"
+    )
+    if path.name.endswith(LAYERED):
+        # written with units of its own, and nothing to leave out
+        units, ignore = None, []
     # bounding box, mm
     low, high = np.array(drawing.outline.box)
     width, height = high - low
@@ -120,16 +140,66 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     )  # fmt: skip
 
 
-def _read(path, units, parting, ignore) -> tuple[Drawing, list]:
-    """Read a drawing with its parting layers, given or found."""
+def _read(path, units, parting, ignore, layered: Path) -> tuple[Path, Drawing, list, list]:
+    """Read a drawing with its parting layers and the layers that are left out, given or found.
+
+    A drawing whose layers are not edges is written again to ``layered``, which is returned as its path.
+    """
     try:
-        return read_drawing(path, units, parting, ignore), parting
+        drawing = read_drawing(path, units, parting, ignore)
+        # one layer around all of the outside: no edge of it could be fixed and another pressed
+        single = len(drawing.outline.outer.edge_names) == 1 and not parting
+        if single and _write_layers(path, units, ignore, layered):
+            return layered, read_drawing(layered), parting, ignore
+        return path, drawing, parting, ignore
     except GeometryError:
         found = [] if parting else _readable(path, units, ignore)
+        found = found or _without_annotation(path, units, parting, ignore)
+        if not found and not parting and _write_layers(path, units, ignore, layered):
+            return layered, read_drawing(layered), parting, ignore
         # several layers, or none, with which the others are a section: the first error says more
         if len(found) != 1:
             raise
-    return found[0]
+    return path, *found[0]
+
+
+def _write_layers(path, units, ignore, layered: Path) -> bool:
+    """Write the section of a drawing, whatever its layers are, with a layer for every edge between
+    corners; False where the drawing is no section, or its outside has no corners."""
+    names = [own for own in boundary_layers(path) if ANNOTATION.search(own)]
+    for more in ((), names) if names else ((),):
+        try:
+            outline = read_by_corners(path, units, [*ignore, *more])
+        except GeometryError:
+            continue
+        if len(outline.outer.edge_names) == 1:
+            return False
+        if layered.exists():
+            raise WrongArgumentError(
+                f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
+                "layer of its own; take another name"
+            )
+        write_dxf(outline, layered)
+        print(
+            f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
+            f"a layer of its own, {', '.join(outline.edge_names)}"
+        )
+        return True
+    return False
+
+
+def _without_annotation(path, units, parting, ignore) -> list[tuple]:
+    """Return the reading of a drawing without the layers whose names say that they are annotation, if
+    there are such layers and the others are a section."""
+    known = [own for own in boundary_layers(path) if own not in (*parting, *ignore)]
+    annotation = [own for own in known if ANNOTATION.search(own)]
+    if not annotation:
+        return []
+    try:
+        more = [*ignore, *annotation]
+        return [(read_drawing(path, units, parting, more), parting, more)]
+    except GeometryError:
+        return []
 
 
 def _readable(path, units, ignore) -> list[tuple]:
@@ -137,7 +207,7 @@ def _readable(path, units, ignore) -> list[tuple]:
     found = []
     for layer in boundary_layers(path):
         try:
-            found.append((read_drawing(path, units, [layer], ignore), [layer]))
+            found.append((read_drawing(path, units, [layer], ignore), [layer], ignore))
         except GeometryError:
             continue
     return found

@@ -4,8 +4,8 @@ import argparse
 import re
 import sys
 
-NEGATIVE = re.compile(r"-\.?\d[\d.eE+-]*(:|[eE])")
-"""Beginning of an argument that is no option but a negative range (-3:6:4) or number (-1e-3)."""
+NEGATIVE = re.compile(r"-\.?\d[\d.eE+-]*([:,]|[eE])")
+"""Beginning of an argument that is no option: a negative range (-3:6:4), list (-3,0), number (-1e-3)."""
 
 
 class OneLineParser(argparse.ArgumentParser):

@@ -22,7 +22,7 @@ from seal_mdao.cli.running_optimization import (
     report_run,
     run_optimization,
 )
-from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
+from seal_mdao.cli.seal_files import file_errors, file_of, filled, seal_of
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
@@ -39,7 +39,6 @@ from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.write import write_report
-from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.export import require_writers, write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
@@ -107,8 +106,8 @@ def checked_seal(arguments, file) -> OutlineSeal:
     ------
     SealFileError, WrongArgumentError
     """
+    seal = filled(file)
     with file_errors(file.path):
-        seal = unchosen_seal(file)
         require_problem(file, seal)
     recorder_file(arguments)
     try:
@@ -215,9 +214,9 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
     said = "".join(f", {path.name}" for path in paths)
     try:
         # read the written file: the check a user would make
-        design, section = sm.read_seal_file(paths[0]), file.section
+        design = sm.read_seal_file(paths[0])
         # discretisation error of the optimum: same outline, new particles
-        result = on_new_cloud(design, section.spacing, section.layers, section.edge_spacing)
+        result = on_new_cloud(design, file)
     except (sm.GeometryError, sm.SealFileError) as error:
         return f"{said} (not analysed with new particles: {error})", None
     if not result.converged:

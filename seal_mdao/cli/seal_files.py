@@ -5,8 +5,8 @@ from pathlib import Path
 
 import seal_mdao as sm
 from seal_mdao.plotting.captions import name_seal
-from seal_mdao.progress import LoadStepProgress
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.progress import LoadStepProgress, Waiting
+from seal_mdao.seals.file.build import build_seal, unchosen_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
@@ -36,6 +36,18 @@ def file_of(path: Path) -> SealFile:
     return file
 
 
+def filled(file: SealFile) -> OutlineSeal:
+    """Fill the section of a file with particles and build its seal, before load steps and penalties that
+    it leaves open are chosen.
+
+    Raises
+    ------
+    SealFileError
+    """
+    with file_errors(file.path), Waiting("placing particles and finding their neighbours"):
+        return unchosen_seal(file)
+
+
 def seal_of(
     file: SealFile, chosen: dict | None = None, unchosen: OutlineSeal | None = None
 ) -> OutlineSeal:
@@ -56,6 +68,7 @@ def seal_of(
     """
     if file.section.notice:
         print(file.section.notice)
+    unchosen = filled(file) if unchosen is None else unchosen
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run

@@ -33,6 +33,8 @@ MOST_FAILED = 0.01
 """Fraction of failed samples above which the study is reported as failed."""
 OF_THE_DOOR_SEAL = ("gap_square_integral", "reaction", "patch_pressure", "stress_norm")
 """Measures of the door seal that are sampled."""
+CONSTANT = 1e-9
+"""Standard deviation over the mean that is rounding."""
 
 
 def main(arguments) -> int:
@@ -173,17 +175,24 @@ def report(summary: dict, wall: float, out) -> None:
         f"({summary['seconds_per_analysis']['mean']:.2f} s an analysis)"
     )
     for name, found in summary["measures"].items():
-        # sampled and first-order statistics side by side
-        own, line = found["sampled"], found["first_order"]
-        print(
-            f"{name}: mean {own['mean']:.4g}, std {own['std']:.3g}, 5 to 95 % {own['q05']:.4g} to "
-            f"{own['q95']:.4g} {found['unit'] or ''}; first order: mean {line['mean']:.4g}, std "
-            f"{line['std']:.3g}, 5 to 95 % {line['q05']:.4g} to {line['q95']:.4g}"
-        )
+        print(f"{name}: {statistics_text(found)}")
     # failed samples bias the statistics: report by how much
     if summary["failed"]:
         report_failures(summary)
     print(f"{SAMPLES}, summary.json, distributions.png and correlations.png in {out}")
+
+
+def statistics_text(found: dict) -> str:
+    """Describe a measure: sampled and first-order statistics, or its value where nothing varies it."""
+    own, line = found["sampled"], found["first_order"]
+    unit = found["unit"] or ""
+    if max(own["std"], line["std"]) <= CONSTANT * abs(own["mean"]):
+        return f"{own['mean']:.4g} {unit} in all samples".replace("  ", " ")
+    return (
+        f"mean {own['mean']:.4g}, std {own['std']:.3g}, 5 to 95 % {own['q05']:.4g} to "
+        f"{own['q95']:.4g} {unit}; first order: mean {line['mean']:.4g}, std "
+        f"{line['std']:.3g}, 5 to 95 % {line['q05']:.4g} to {line['q95']:.4g}"
+    )
 
 
 def report_failures(summary: dict) -> None:

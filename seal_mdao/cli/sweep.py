@@ -4,7 +4,6 @@ import argparse
 import csv
 import math
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from tqdm import tqdm
@@ -21,22 +20,13 @@ from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import frozen_measures
 
 MOST_VALUES = 200
-
-
-class Values(NamedTuple):
-    """Values of a sweep, FROM:TO:COUNT."""
-
-    first: float
-    last: float
-    count: int
-
-    def array(self) -> np.ndarray:
-        return np.linspace(self.first, self.last, self.count)
+PER_MM = "N_per_mm"
+"""End of the names of forces on a ring per mm of its circumference at the mean radius."""
 
 
 def main(arguments) -> int:
     file = file_of(arguments.file)
-    own, values = varied(file, arguments.vary[0]), arguments.vary[1].array()
+    own, values = varied(file, arguments.vary[0]), arguments.vary[1]
     name_varied([own.name])
     results, rows, measures = {}, [], None
     with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:
@@ -89,28 +79,47 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
         plotting.save(plotting.load_deflection_of(nominal, label), out / "sweep.png")
     done = [line for line in rows if line["converged"]]
     if done:
+        names = [name for name in done[0] if name not in ("value", "converged")]
+        # rings of one circumference: N per mm of it on the right axis, not in panels of their own
+        units = {result.seal.units for result in results.values()}
+        ring = units.pop() if len(units) == 1 else None
+        forces = [name for name in names if f"{_bare(name)}_{PER_MM}" in names] if ring else []
+        beside = {f"{_bare(name)}_{PER_MM}" for name in forces}
         columns = {
             name: [np.nan if line[name] is None else line[name] for line in done]
-            for name in done[0]
-            if name not in ("value", "converged")
+            for name in names
+            if name not in beside
         }
         at = [line["value"] for line in done]
-        plotting.save(plotting.numbers_over(label, at, columns), out / "measures.png")
+        plotting.save(plotting.numbers_over(label, at, columns, ring, forces), out / "measures.png")
+
+
+def _bare(name: str) -> str:
+    """Remove the unit from the name of a force on a profile."""
+    return name.removesuffix("_N")
 
 
 def row(value: float, result, measures) -> dict:
     """Collect the results at the end of the path of one analysis; None for a failed one."""
-    numbers = {"value": value, "converged": result.converged}
+    numbers, units = {"value": value, "converged": result.converged}, result.seal.units
     for contact in contacts(result.seal):
         # force on the profile at the end of the path, N/m or N
         force = result.path.reaction(contact.label)[-1] if result.converged else (None, None)
-        key = result.seal.units.force_key
-        numbers |= {
-            f"{contact.label}_F{axis}_{key}": f for axis, f in zip("xy", force, strict=True)
-        }
+        numbers |= _forces(contact.label, units.force_key, force)
+        if units.radius:
+            around = [None if own is None else units.per_mm * own for own in force]
+            numbers |= _forces(contact.label, PER_MM, around)
     for measure in measures:
-        numbers[measure.name] = float(result.value(measure)[0]) if result.converged else None
+        value = float(result.value(measure)[0]) if result.converged else None
+        numbers[measure.name] = value
+        if units.is_ring_force(measure.units):
+            numbers[f"{measure.name}_{PER_MM}"] = None if value is None else units.per_mm * value
     return numbers
+
+
+def _forces(label: str, unit: str, force) -> dict:
+    """Name both components of a force on a profile."""
+    return {f"{label}_F{axis}_{unit}": own for axis, own in zip("xy", force, strict=True)}
 
 
 def shown(value) -> str:
@@ -133,24 +142,34 @@ def write_table(path: Path, name: str, rows: list[dict]) -> None:
             )
 
 
-def vary(text: str) -> Values:
-    """Parse values FROM:TO:COUNT for argparse."""
+def vary(text: str) -> np.ndarray:
+    """Parse values FROM:TO:COUNT or VALUE,VALUE,... for argparse; they are returned in ascending order
+    where they are listed."""
     text = text.strip()
     try:
-        # three numbers separated by colons
-        first, last, count = text.split(":")
-        values = Values(float(first), float(last), int(count))
+        if ":" in text:
+            first, last, count = text.split(":")
+            ends, count = [float(first), float(last)], int(count)
+        else:
+            ends = [float(own) for own in text.split(",")]
+            count = len(ends)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not FROM:TO:COUNT") from None
-    if not (math.isfinite(values.first) and math.isfinite(values.last)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither FROM:TO:COUNT nor a list VALUE,VALUE,..."
+        ) from None
+    if not all(map(math.isfinite, ends)):
         raise argparse.ArgumentTypeError(f"{text!r} has a number that is not finite")
-    if not 1 <= values.count <= MOST_VALUES:
+    if not 1 <= count <= MOST_VALUES:
         raise argparse.ArgumentTypeError(f"{text!r} has a count that is not in 1 to {MOST_VALUES}")
-    return values
+    if ":" in text:
+        return np.linspace(*ends, count)
+    if len(set(ends)) < count:
+        raise argparse.ArgumentTypeError(f"{text!r} has the same value twice")
+    return np.sort(ends)
 
 
 class _Vary(argparse.Action):
-    """Parse NAME FROM:TO:COUNT to a pair."""
+    """Parse NAME VALUES to a pair."""
 
     def __call__(self, made, namespace, given, option=None):
         try:
@@ -162,16 +181,16 @@ class _Vary(argparse.Action):
 
 def arguments_parser():
     made = parser(
-        __doc__, "out/sweep", "FILE --vary NAME FROM:TO:COUNT",
+        __doc__, "out/sweep", "FILE --vary NAME VALUES",
         "seal-mdao sweep bulb.toml --vary friction 0.1:0.5:5",
     )  # fmt: skip
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
-        "--vary", nargs=2, action=_Vary, required=True, metavar=("NAME", "FROM:TO:COUNT"),
-        help="what varies, and its values, evenly spread: a parameter of the seal or the end of its "
-        "name (friction, c10), the travel of a profile in mm (travel: that of its first stage, others "
-        "in proportion), or a number of the file by its path (material.rubber.c10, section.spacing, "
-        "profile.door.start.2; rows by their names or numbers). A wrong name lists what there is; "
-        "`seal-mdao keys` has all keys with their units",
+        "--vary", nargs=2, action=_Vary, required=True, metavar=("NAME", "VALUES"),
+        help="what varies, and its values, evenly spread (FROM:TO:COUNT) or listed (0.1,0.2,0.5): a "
+        "parameter of the seal or the end of its name (friction, c10), the travel of a profile in mm "
+        "(travel: that of its first stage, others in proportion), or a number of the file by its path "
+        "(material.rubber.c10, section.spacing, profile.door.start.2; rows by their names or numbers). "
+        "A wrong name lists what there is; `seal-mdao keys` has all keys with their units",
     )  # fmt: skip
     return made

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from seal_mdao.cli.arguments import WrongArgumentError
-from seal_mdao.cli.seal_files import file_errors, seal_of
+from seal_mdao.cli.seal_files import filled, seal_of
 from seal_mdao.cli.varied_travel import set_travel
-from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_changed
 from seal_mdao.seals.file.reference import unit_of_key
@@ -93,8 +92,7 @@ def varied(file: SealFile, name: str) -> Varied:
     tables = tomllib.loads(file.path.read_text(encoding="utf-8"))
     if "." in name:
         return _number_of(tables, name)
-    with file_errors(file.path):
-        unchosen = unchosen_seal(file)
+    unchosen = filled(file)
     scalars = unchosen.scalars
     travels = {f"{own.name}_{TRAVEL}": own.name for own in file.profiles if own.travel}
     known = [*scalars, *travels]

@@ -10,8 +10,7 @@ from seal_mdao.cli.arguments import (
     positive_integer,
     seal_from,
 )
-from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
-from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.cli.seal_files import file_of, filled, seal_of
 from seal_mdao.seals.file.tolerance_table import ToleranceTable
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerance_table, tolerances_of
 from seal_mdao.tolerances.placement import with_clearance
@@ -44,9 +43,8 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
         raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")
     file, unchosen = file_of(arguments.file), None
     if arguments.tolerances is not None:
-        with file_errors(arguments.file):
-            # placements of the profiles are parameters, too
-            unchosen = unchosen_seal(file)
+        # placements of the profiles are parameters, too
+        unchosen = filled(file)
         tolerances = _from_file(arguments.tolerances, unchosen.with_placements())
     elif file.tolerance is not None:
         # checked where the seal is built

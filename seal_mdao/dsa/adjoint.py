@@ -103,6 +103,11 @@ class AdjointSweep:
         ]
         # K^T Lambda = columns,  lambda = Lambda C
         loads, mix = self._columns(step, following, seeds, which, terms, bars)
+        # what terms pass on that depends on all of d
+        for linearized, bar in zip(terms, bars, strict=True):
+            on_all = linearized.history_loads(bar)
+            if on_all is not None:
+                loads, mix = loads @ mix + on_all, np.eye(self.m)
         # no more right-hand sides than measures
         if len(mix) > self.m:
             loads, mix = loads @ mix, np.eye(self.m)

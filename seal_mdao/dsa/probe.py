@@ -15,6 +15,7 @@ from seal_mdao.terms.point_rates import (
     add_displacement_rates,
     add_field,
     add_field_gradient,
+    add_gradient_loads,
     add_gradient_rates,
     add_gradient_seeds,
     add_transposed,
@@ -78,7 +79,8 @@ class Probe:
             # d_bar += grad Phi^T F_bar,  grad Phi_bar = F_bar d^T
             own = np.zeros((len(self.grad_bar), which.size))
             on_f = np.moveaxis(seeds.gradient[which], 0, 2)
-            add_gradient_seeds(table, on_f, step.d, self.layout.equations, loads, own)
+            add_gradient_loads(table, on_f, self.layout.equations, loads)
+            add_gradient_seeds(table, on_f, step.d, own)
             self.grad_bar[:, which] += own
         if seeds.displacement.any():
             # d_bar += Phi^T u_bar,  Phi_bar = u_bar d^T
@@ -89,9 +91,9 @@ class Probe:
 
     def nodal_seeds(self, step, seeds: Seeds, which, equations, size) -> np.ndarray:
         """Seeds (size, len(which)) on the displacements of particles, placed by ``equations``."""
-        out, unused = np.zeros((size, which.size)), np.zeros((len(self.grad_bar), which.size))
+        out = np.zeros((size, which.size))
         on_f = np.moveaxis(seeds.gradient[which], 0, 2)
-        add_gradient_seeds(self.table, on_f, step.d, equations, out, unused)
+        add_gradient_loads(self.table, on_f, equations, out)
         on_u = np.ascontiguousarray(np.moveaxis(seeds.displacement[which], 0, 2))
         add_transposed(self.table, self.every, equations, on_u, out)
         return out

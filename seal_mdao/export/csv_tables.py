@@ -7,6 +7,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import OPEN, SLIP
 from seal_mdao.seals.cavities import cavity_pressures
+from seal_mdao.seals.path_times import times_at
 from seal_mdao.seals.profiles import (
     arc_length,
     contact_positions,
@@ -21,8 +22,9 @@ CURVE_HEADER = (
     "Fx_N_per_100mm", "Fy_N_per_100mm", "deformed_contact_width_mm", "true_peak_pressure_kPa",
     "contact_width_mm", "peak_pressure_kPa",
 )  # fmt: skip
-"""``contact_width_mm`` and ``peak_pressure_kPa`` are nominal values, per undeformed length; the excess
-pressure of every cavity follows in a column of its own, ``LABEL_excess_pressure_kPa``."""
+"""``time_s`` follows ``stage`` where the stages take time. ``contact_width_mm`` and
+``peak_pressure_kPa`` are nominal values, per undeformed length; the excess pressure of every cavity
+follows in a column of its own, ``LABEL_excess_pressure_kPa``."""
 EDGE_HEADER = (
     "step", "arc_length_mm", "X_mm", "Y_mm", "x_mm", "y_mm", "gap_mm", "true_pressure_kPa",
     "pressure_kPa", "state",
@@ -49,12 +51,15 @@ def write_curves(result, folder) -> list[Path]:
         *in_units(CURVE_HEADER, units),
         *(f"{label}_excess_pressure_kPa" for label in cavities),
     )
+    time = times_at(result.seal, [step.fraction for step in result.path.nominal_steps])
+    if time is not None:
+        header = (*header[:2], "time_s", *header[2:])
     for history in moving_histories(result):
         # columns in the order of CURVE_HEADER
         columns = (
-            np.arange(1, len(history.stage) + 1), history.stage, history.travel, history.turn,
-            *history.place.T, *history.force.T, *(units.per_100_mm * history.force.T),
-            history.width, history.peak,
+            np.arange(1, len(history.stage) + 1), history.stage, *([] if time is None else [time]),
+            history.travel, history.turn, *history.place.T, *history.force.T,
+            *(units.per_100_mm * history.force.T), history.width, history.peak,
             history.nominal_width, history.nominal_peak, *cavities.values(),
         )  # fmt: skip
         path = Path(folder) / f"curve_{history.label}.csv"
@@ -104,7 +109,8 @@ def write_boundary(seal, offsets, path) -> Path:
 
 
 def write_sweep_curves(name: str, results, path) -> Path:
-    """Write the load-deflection curves of a sweep: a row for every value, profile and nominal step.
+    """Write the load-deflection curves of a sweep: a row for every value, profile and nominal step,
+    forces on a ring in N and in N per mm of its circumference.
 
     Parameters
     ----------
@@ -119,11 +125,18 @@ def write_sweep_curves(name: str, results, path) -> Path:
         for value, result in results.items()
         for own in moving_histories(result)
         for step, numbers in enumerate(
-            np.column_stack([own.stage, own.travel, own.force]).tolist(), 1
+            np.column_stack([own.stage, own.travel, *_in_all_units(own.force, result)]).tolist(), 1
         )
     ]
     units = next(iter(results.values())).seal.units
-    return _write(Path(path), (name, *in_units(SWEEP_HEADER, units)), rows)
+    around = ("Fx_N_per_mm", "Fy_N_per_mm") if units.radius else ()
+    return _write(Path(path), (name, *in_units(SWEEP_HEADER, units), *around), rows)
+
+
+def _in_all_units(force: np.ndarray, result) -> list[np.ndarray]:
+    """List the force on a profile, (n_steps, 2) in N/m or N, and that of a ring per mm, too."""
+    units = result.seal.units
+    return [force, units.per_mm * force] if units.radius else [force]
 
 
 def travel_table(result) -> np.ndarray:

@@ -275,6 +275,11 @@ class Motion:
         return float(self._lengths.sum())
 
     @property
+    def moves(self) -> bool:
+        """Whether the profile moves at all."""
+        return bool(np.ptp(self.positions, axis=0).any() or np.ptp(self.angles))
+
+    @property
     def travels(self) -> np.ndarray:
         """Length of the path at the start and after every nominal step, shape (n_steps + 1,).
 

@@ -2,12 +2,13 @@
 
     R_m += -p int N_m w n ds,    x = sum_n N_n(s) x_n
 
-along every side of the edge (``pressed_sides``): a parabola through its ends and its middle, which
-follows the deformed body closely enough that the pressure acts on the volume of the cells (with straight
-sides a pressure of 2.5 shear moduli crumples the body). In a body of revolution a side is turned about
-the axis: ds becomes c r ds. The weights w_i at the particles are those of ``fluid_law``, from the
-contact pressures of the rigid profiles that may touch the edge, and linear between; they couple a point
-of the front with all points behind it. n follows the deformed sides: a follower load.
+along every side of the edge (``pressed_sides``): a cubic through its ends and the two Gauss points of
+the consistent integration. A uniform pressure all round is therefore in equilibrium with a uniform
+hydrostatic stress (with straight sides a pressure of 2.5 shear moduli wrinkles the body). In a body of
+revolution a side is turned about the axis: ds becomes c r ds. The weights w_i at
+the particles are those of ``fluid_law``, from the contact pressures of the rigid profiles that may touch
+the edge, and linear between; they couple a point of the front with all points behind it. n follows the
+deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from scipy.sparse import csr_array
 from seal_mdao import values
 from seal_mdao.loads.fluid_closing import Closing, ClosingRates, closing_names
 from seal_mdao.loads.fluid_law import accumulated, wetting
-from seal_mdao.loads.pressed_sides import PressedSides
+from seal_mdao.loads.pressed_sides import INNER, POINTS, PressedSides
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, fixed_points
@@ -90,11 +91,13 @@ class FluidPressure(TermDefinition):
 
     @property
     def where(self) -> MaterialPoints:
-        """Points from the wet end: particles, and the midpoint of the side between two of them."""
-        first, last = np.repeat(self.particles, 2)[:-1], np.repeat(self.particles, 2)[1:]
-        return fixed_points(
-            PointSet(np.column_stack([first, last]), np.full((len(first), 2), 0.5), 1), 0.0
-        )
+        """Points from the wet end: particles, and the two Gauss points of the side between them."""
+        first, last = self.particles[:-1].repeat(POINTS), self.particles[1:].repeat(POINTS)
+        ends = np.column_stack([first, last])
+        # s = 0, g, 1 - g of every side, and the last particle
+        at = np.tile([0.0, INNER, 1.0 - INNER], len(self.particles) - 1)
+        ends, at = np.vstack([ends, ends[-1]]), np.append(at, 1.0)
+        return fixed_points(PointSet(ends, np.column_stack([1.0 - at, at]), 1), 0.0)
 
     @property
     def own_name(self) -> str:
@@ -128,17 +131,17 @@ class FluidPressure(TermDefinition):
         )  # fmt: skip
 
     def point_set(self):
-        """Return the particles of the edge and the midpoints of its sides."""
+        """Return the particles of the edge and the Gauss points of its sides."""
         return self.where.points
 
     def pairs(self):
         """List coupled points: every point with the particles before it and the points of its sides."""
-        # points alternate: particles at even, midpoints at odd indices;
-        # midpoints couple with the points of their own side only
-        m = 2 * len(self.edge) - 1
-        reached = np.tri(m, k=2, dtype=bool)
-        reached[:, 1::2] &= ~np.tri(m, k=-3, dtype=bool)[:, 1::2]
-        return np.argwhere(reached)
+        # particles have the indices 0, 3, 6, ...; Gauss points couple with the points of their side only
+        at = np.arange(POINTS * (len(self.edge) - 1) + 1)
+        row, column = np.meshgrid(at, at, indexing="ij")
+        first = column // POINTS * POINTS
+        beside = (row >= first) & (row <= first + POINTS)
+        return np.argwhere(np.where(column == first, column <= row + POINTS, beside))
 
     def on(self, discretization, index) -> "FluidPressureTerm":
         """Build the term for one design."""
@@ -179,13 +182,13 @@ class FluidPressureTerm(CoupledTerm):
 
     def _closing(self, x, fraction) -> np.ndarray:
         """Contact pressure of all profiles at the particles, shape (k,)."""
-        own = np.ascontiguousarray(x[::2])
+        own = np.ascontiguousarray(x[::POINTS])
         parts = (closing.pressure(own, fraction) for closing in self.closings)
         # c = sum over the profiles of w_n <-g_n>
         return sum(parts, np.zeros(len(own)))
 
     def _closing_rates(self, x, fraction) -> ClosingRates:
-        own, k = np.ascontiguousarray(x[::2]), self.output_indices
+        own, k = np.ascontiguousarray(x[::POINTS]), self.output_indices
         found = ClosingRates(np.zeros((k, 2)), np.zeros((k, len(self.names))))
         for closing in self.closings:
             found = ClosingRates(*map(np.add, found, closing.rates(own, fraction)))
@@ -207,7 +210,7 @@ class FluidPressureTerm(CoupledTerm):
             moved = np.tensordot(on_closing[:, front], -pressure * per_weight, (0, 0))
             j, point = np.nonzero(moved.any(axis=2))
             own = moved[j, point, :, None] * by_index[j, None]
-            pairs = np.concatenate([pairs, np.column_stack([point, 2 * front[j]])])
+            pairs = np.concatenate([pairs, np.column_stack([point, POINTS * front[j]])])
             tangent = np.concatenate([tangent, own])
         # points of sides with any pressure
         reached = (weight[:-1] > 0.0) | (weight[1:] > 0.0)
@@ -229,7 +232,7 @@ class FluidPressureTerm(CoupledTerm):
         by_closing, by_pressure = accumulated(*self._slopes(response, pressure))
         rates, every = self._closing_rates(x, fraction), np.arange(k)[:, None]
         of_closing = np.zeros((k, at_reference.stop))
-        of_closing[every, at_x.start + 4 * every + np.arange(2)] = rates.by_index
+        of_closing[every, at_x.start + 2 * POINTS * every + np.arange(2)] = rates.by_index
         of_closing[:, at_parameters] = rates.by_parameter
         of_weight = by_closing @ of_closing
         of_weight[:, at_parameters.start] += ramp * by_pressure

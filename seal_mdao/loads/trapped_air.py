@@ -17,8 +17,8 @@ from scipy.sparse import coo_array, csr_array
 
 from seal_mdao import values
 from seal_mdao.loads.enclosed_volume import coupled_points, enclosed_volume, second_derivatives
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.structure.environment import (
-    ABSOLUTE_ZERO,
     AXIAL_STRETCH,
     TEMPERATURE,
     Environment,

@@ -4,12 +4,21 @@
 
 with M the mass of the air over its density outside, V0 at the start, a the area of the vents and Phi of
 ``orifice``. A load step takes the time in which the profile travels, or its part of a given duration;
-over it the mass follows by backward Euler. In the fraction of the mass m = M / V0 and y = ln(M / V) that
-is
+beside materials that relax, the time of their path (``terms.ramp.StageTimes``). Over it the mass follows
+by backward Euler. In the fraction of the mass m = M / V0 and y = ln(M / V) that is
 
     F(y) = V / V0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / V0
 
 a monotone equation, solved for every volume V. m is carried to the next load step.
+
+At the absolute temperature T, and in a section that is stretched by h (``structure.environment``),
+p = p_a (T / T_0 (M / (h V))^gamma - 1) with M, V0 and a per length of the unstretched strip: the air and
+the vents are those of the material, whose distance grows with h. The density at the pressure p_a is
+that at the start over b = (T / T_0)^(1 / gamma), inside and outside. With y the logarithm of the density
+over that one, u of ``orifice`` is exp((1 + gamma) y) / b for outflow and 1 / b for inflow, and
+
+    M / (h V) = exp(y) / b,    F(y) = h V / V0 exp(y) - b m_n + sqrt(b) kappa Phi(y) = 0,
+    m = m_n - kappa Phi(y) / sqrt(b).
 
 In plane strain V is the area of the hole (mm^2), a the area of the vents per length of the strip (mm).
 In a body of revolution V is that of the complete ring, V0 = 2 pi R_c A0 with the area A0 and the radius
@@ -30,8 +39,9 @@ from seal_mdao import values
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.orifice import Flow, orifice_flow
 from seal_mdao.loads.trapped_air import TrappedAir, TrappedAirTerm
+from seal_mdao.structure.environment import AXIAL_STRETCH, TEMPERATURE
 from seal_mdao.terms.coupled_term import CoupledResponse, LocalMap
-from seal_mdao.terms.ramp import at_ends, at_fraction
+from seal_mdao.terms.ramp import StageTimes, at_ends, at_fraction
 from seal_mdao.terms.term import Scalar
 
 SHARP_EDGED = 0.61
@@ -40,10 +50,10 @@ SHARP_EDGED = 0.61
 GAS_CONSTANT = 287.05
 """Of air, J/(kg K)."""
 
-TEMPERATURE = 293.15
-"""Of the air outside, K."""
+START_TEMPERATURE = 293.15
+"""Of the air at the start, K."""
 
-VELOCITY = 1e3 * math.sqrt(2.0 * GAS_CONSTANT * TEMPERATURE)
+VELOCITY = 1e3 * math.sqrt(2.0 * GAS_CONSTANT * START_TEMPERATURE)
 """c = sqrt(2 p_a / rho_a), mm/s."""
 
 # relative error of y, the least that the solver takes
@@ -77,11 +87,11 @@ class VentedAir(TrappedAir):
     vent_diameter, vent_spacing : float
         Of round vents, and the distance from one to the next along the strip, or in a body of
         revolution along the circle of the centroid of the undeformed hole, mm.
-    closing_speed : float
-        Speed along the path of the profile, mm/s.
-    travel : ndarray, shape (n_steps + 1,)
+    closing_speed : float, optional
+        Speed along the path of the profile, mm/s; needed where it travels.
+    travel : ndarray, shape (n_steps + 1,), optional
         Length of that path at the start and after every nominal step, mm; linear between. Stages with a
-        given duration do not count.
+        given duration do not count. None where the environment has a time.
     discharge_coefficient : float
     time : ndarray, shape (n_steps + 1,), optional
         Time of the stages with a given duration, in the same form, s; None: there are none.
@@ -90,13 +100,14 @@ class VentedAir(TrappedAir):
     ------
     ValueError
         As ``TrappedAir``, and for a negative diameter or coefficient, a distance or a speed that is not
-        positive, a travel or a time that decreases.
+        positive, a travel or a time that decreases, a travel without a speed, and for times beside that
+        of the environment.
     """
 
     vent_diameter: float
     vent_spacing: float
-    closing_speed: float
-    travel: np.ndarray
+    closing_speed: float | None = None
+    travel: np.ndarray | None = None
     discharge_coefficient: float = SHARP_EDGED
     time: np.ndarray | None = None
 
@@ -104,8 +115,24 @@ class VentedAir(TrappedAir):
         super().__post_init__()
         for name in ("vent_diameter", "discharge_coefficient"):
             values.real(f"{name} of {self.label!r}", getattr(self, name), 0.0)
-        for name in ("vent_spacing", "closing_speed"):
-            values.real(f"{name} of {self.label!r}", getattr(self, name), above=0.0)
+        values.real(f"vent_spacing of {self.label!r}", self.vent_spacing, above=0.0)
+        if self.closing_speed is not None:
+            values.real(f"closing_speed of {self.label!r}", self.closing_speed, above=0.0)
+        if self.clock is None:
+            self._check_times()
+        elif any(own is not None for own in (self.closing_speed, self.travel, self.time)):
+            raise ValueError(
+                f"the time of {self.label!r} is that of the environment; leave out travel, time and "
+                "closing_speed"
+            )
+
+    @property
+    def clock(self) -> StageTimes | None:
+        """Time of the environment."""
+        return None if self.environment is None else self.environment.time
+
+    def _check_times(self) -> None:
+        """Check travel and time, and set a time that is not given to zero."""
         if self.time is None:
             object.__setattr__(self, "time", np.zeros(np.shape(self.travel)))
         for name, what in (("travel", "lengths"), ("time", "times")):
@@ -114,6 +141,8 @@ class VentedAir(TrappedAir):
                 raise ValueError(f"{name} of {self.label!r} must be {what} that do not decrease")
         if np.shape(self.time) != np.shape(self.travel):
             raise ValueError(f"travel and time of {self.label!r} must have one value for each step")
+        if self.closing_speed is None and self.travel[-1] > 0.0:
+            raise ValueError(f"the travel of {self.label!r} needs a closing_speed")
 
     @property
     def scalars(self) -> dict:
@@ -127,12 +156,16 @@ class VentedAir(TrappedAir):
         return super().scalars | {
             f"{self.label}_{name}": Scalar(getattr(self, name), *about)
             for name, about in own.items()
+            if getattr(self, name) is not None
         }
 
     def with_ends(self, ends) -> "VentedAir":
         """Return the air for other load steps."""
+        other = super().with_ends(ends)
+        if self.clock is not None:
+            return other
         both = {name: np.asarray(getattr(self, name), float) for name in ("travel", "time")}
-        return replace(self, **{name: at_ends(own, ends) for name, own in both.items()})
+        return replace(other, **{name: at_ends(own, ends) for name, own in both.items()})
 
     def on(self, discretization, index) -> "VentedAirTerm":
         """Build the term for one design."""
@@ -148,11 +181,13 @@ class _State(NamedTuple):
     by_index : ndarray, shape (k, 2)
         dV/dx.
     y : float
-        Logarithm of the density over that outside.
+        Logarithm of the density over that at the pressure outside.
     kappa : float
         C_d a c dt / V0.
-    moving : float
-        Fraction of dt that depends on the closing speed.
+    time_rates : dict of str to float
+        Derivatives of ln dt by parameter.
+    hot, stretch : float
+        ln(T / T_0) and h.
     flow : Flow
         Phi(y).
     slope : float
@@ -163,7 +198,9 @@ class _State(NamedTuple):
     by_index: np.ndarray
     y: float
     kappa: float
-    moving: float
+    time_rates: dict
+    hot: float
+    stretch: float
     flow: Flow
     slope: float
 
@@ -177,8 +214,10 @@ class VentedAirTerm(TrappedAirTerm):
 
     def __init__(self, definition: VentedAir, discretization, index: int):
         super().__init__(definition, discretization, index)
-        self.travel, self.speed = np.asarray(definition.travel, float), definition.closing_speed
-        self.time = np.asarray(definition.time, float)
+        self.clock, self.speed = definition.clock, definition.closing_speed
+        if self.clock is None:
+            self.travel = np.asarray(definition.travel, float)
+            self.time = np.asarray(definition.time, float)
         # A0: area of the undeformed hole, V0 / (2 pi R_c) in a body of revolution
         self.nominal_area, self.area_by_reference = self.nominal_volume, self.by_reference
         if self.axisymmetric:
@@ -188,11 +227,10 @@ class VentedAirTerm(TrappedAirTerm):
         # pi d^2 / (4 s): area of the vents per length of the strip, mm
         area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
         self.conductance = definition.discharge_coefficient * area * VELOCITY
-        # d ln kappa of coefficient, diameter, spacing and speed
+        # d ln(C_d a) of coefficient, diameter and spacing
         vents = definition.discharge_coefficient, definition.vent_diameter, definition.vent_spacing
         powers = {"discharge_coefficient": 1.0, "vent_diameter": 2.0, "vent_spacing": -1.0}
-        own = dict(zip(powers, vents, strict=True)) | {"closing_speed": self.speed}
-        powers["closing_speed"] = -1.0
+        own = dict(zip(powers, vents, strict=True))
         self._by_logarithm = {
             f"{self.label}_{name}": power / own[name] if own[name] else 0.0
             for name, power in powers.items()
@@ -203,13 +241,25 @@ class VentedAirTerm(TrappedAirTerm):
     def no_history(self) -> AirHistory:
         return AirHistory(1.0, 0.0)
 
-    def times_between(self, first: float, last: float) -> tuple[float, float]:
-        """Of the travel at the closing speed, and of given durations, between two path parameters, s."""
-        travel, time = (
+    def time_between(self, first: float, last: float) -> tuple[float, dict]:
+        """Time between two path parameters, s, and the derivatives of its logarithm by parameter."""
+        if self.clock is not None:
+            time = float(np.diff(self.clock.at([first, last]))[0])
+            rates = self.environment.time_rates([first, last])
+            return time, {
+                n: float(np.diff(own)[0]) / time if time else 0.0 for n, own in rates.items()
+            }
+        travel, given = (
             float(at_fraction(own, last) - at_fraction(own, first))
             for own in (self.travel, self.time)
         )
-        return travel / self.speed, time
+        if self.speed is None:
+            return given, {}
+        # dt = travel / speed + given time
+        moving = travel / self.speed
+        time = moving + given
+        by_speed = -1.0 / self.speed * (moving / time if time else 0.0)
+        return time, {f"{self.label}_closing_speed": by_speed}
 
     def _vented(self, x, fraction, history: AirHistory) -> _State | None:
         """Solve for the state at the end of a load step; None where the volume is not positive."""
@@ -217,15 +267,19 @@ class VentedAirTerm(TrappedAirTerm):
         if enclosed is None:
             return None
         volume, by_index = enclosed
-        moving, given = self.times_between(history.fraction, fraction)
-        time = moving + given
-        left, kappa = volume / self.nominal_volume, self.conductance * time / self.nominal_area
-        y = density(left, history.mass, kappa, self.gamma)
+        time, time_rates = self.time_between(history.fraction, fraction)
+        hot, longer, _ = self._heated(fraction)
+        stretch = math.exp(longer)
+        # h V / V0,  kappa,  b = (T / T_0)^(1 / gamma)
+        left = stretch * volume / self.nominal_volume
+        kappa = self.conductance * time / self.nominal_area
+        growth = math.exp(hot / self.gamma)
+        flowing = kappa * math.sqrt(growth)
+        y = density(left, history.mass * growth, flowing, self.gamma)
         flow = orifice_flow(y, self.gamma)
-        # dF/dy = V / V0 exp(y) + kappa dPhi/dy
-        slope = left * math.exp(y) + kappa * flow.by_density
-        share = moving / time if time else 0.0
-        return _State(volume, by_index, y, kappa, share, flow, slope)
+        # dF/dy = h V / V0 exp(y) + sqrt(b) kappa dPhi/dy
+        slope = left * math.exp(y) + flowing * flow.by_density
+        return _State(volume, by_index, y, kappa, time_rates, hot, stretch, flow, slope)
 
     def _pressure(self, y: float) -> float:
         """Compute p = p_a (exp(gamma y) - 1)."""
@@ -236,11 +290,12 @@ class VentedAirTerm(TrappedAirTerm):
         if state is None:
             return None
         pressure, every = self._pressure(state.y), np.ones(len(x), np.int64)
-        # dp/dV = gamma (p_a + p) dy/dV,  dy/dV = -exp(y) / (V0 dF/dy)
-        by_volume = math.exp(state.y) / (self.nominal_volume * state.slope)
+        # dp/dV = gamma (p_a + p) dy/dV,  dy/dV = -h exp(y) / (V0 dF/dy)
+        by_volume = state.stretch * math.exp(state.y) / (self.nominal_volume * state.slope)
         stiffness = self.gamma * (self.outside + pressure) * by_volume
-        # R = -p g,   K = -p d^2 V/dx dx - dp/dV g g^T,   m = m_n - kappa Phi
-        left = AirHistory(history.mass - state.kappa * state.flow.value, fraction)
+        # R = -p g,   K = -p d^2 V/dx dx - dp/dV g g^T,   m = m_n - kappa Phi / sqrt(b)
+        through = state.kappa * math.exp(-0.5 * state.hot / self.gamma)
+        left = AirHistory(history.mass - through * state.flow.value, fraction)
         return CoupledResponse(
             x, -pressure * state.by_index, every, self._pairs, self._turned(x, pressure),
             state.by_index[None], np.array([stiffness]), _NO_BRANCH, left,
@@ -254,7 +309,7 @@ class VentedAirTerm(TrappedAirTerm):
 
     def linearize(self, response, fraction, history):
         state = self._vented(response.x, fraction, history)
-        pressure, mass, volume = self._rates(state, history)
+        pressure, mass, volume = self._rates(state, fraction, history)
         force, passed, outputs = self.rows
         # force -p g, the mass passed on, pressure and volume by what they depend on
         left = np.zeros((outputs.stop, 3))
@@ -265,7 +320,7 @@ class VentedAirTerm(TrappedAirTerm):
         turned = self._scattered(self._turned(response.x, response.outputs[0, 0]), shape)
         return LocalMap(turned, left, np.stack([pressure, mass, volume]))
 
-    def _rates(self, state: _State, history: AirHistory) -> tuple:
+    def _rates(self, state: _State, fraction, history: AirHistory) -> tuple:
         """Differentiate pressure, mass and volume with respect to the columns of a ``LocalMap``."""
         at_x, at_history, _, at_parameters, at_reference = self.inputs
         pressure, kappa, flow = self._pressure(state.y), state.kappa, state.flow
@@ -275,29 +330,47 @@ class VentedAirTerm(TrappedAirTerm):
         before[at_history.start + _MASS] = 1.0
         columns = {name: at_parameters.start + i for i, name in enumerate(self.names)}
         exponent[columns[f"{self.label}_gamma"]] = 1.0
-        for name, rate in self._by_logarithm.items():
+        for name, rate in (self._by_logarithm | state.time_rates).items():
             logarithm[columns[name]] = rate
-        # dt = travel / speed + given time
-        logarithm[columns[f"{self.label}_closing_speed"]] *= state.moving
+        growth, longer = self._growth_rates(state, fraction, columns, exponent)
+        root = math.exp(0.5 * state.hot / self.gamma)
         # kappa' / kappa = (ln kappa)' - A0' / A0
         logarithm -= area / self.nominal_area
-        flowing = kappa * (flow.value * logarithm + flow.by_gamma * exponent)
-        # F' = exp(y) / V0 (V' - V V0' / V0) - m_n' + (kappa Phi)' + dF/dy y' = 0
-        squeezed = math.exp(state.y) / self.nominal_volume
-        closing = squeezed * (volume - state.volume / self.nominal_volume * nominal)
-        y = (before - closing - flowing) / state.slope
-        # m' = m_n' - (kappa Phi)'
-        mass = before - flowing - kappa * flow.by_density * y
+        by_flow = flow.by_gamma * exponent
+        # (sqrt(b) kappa Phi)'
+        flowing = root * kappa * (flow.value * (logarithm + 0.5 * growth) + by_flow)
+        # F' = h exp(y) / V0 (V' - V V0' / V0 + V h' / h) - b (m_n' + m_n b' / b)
+        #      + (sqrt(b) kappa Phi)' + dF/dy y' = 0
+        squeezed = state.stretch * math.exp(state.y) / self.nominal_volume
+        closing = squeezed * (
+            volume - state.volume / self.nominal_volume * nominal + state.volume * longer
+        )
+        y = (root**2 * (before + history.mass * growth) - closing - flowing) / state.slope
+        # m' = m_n' - (kappa Phi / sqrt(b))'
+        flowing = kappa / root * (flow.value * (logarithm - 0.5 * growth) + by_flow)
+        mass = before - flowing - kappa / root * flow.by_density * y
         # p' = (p_a + p)(gamma y' + y gamma') + p / p_a p_a'
         grown = (self.outside + pressure) * (self.gamma * y + state.y * exponent)
         grown[columns[f"{self.label}_pressure"]] += pressure / self.outside
         return grown, mass, volume
 
+    def _growth_rates(self, state: _State, fraction, columns, exponent) -> tuple:
+        """Differentiate ln b and ln h with respect to the columns of a ``LocalMap``."""
+        growth, longer = np.zeros((2, len(exponent)))
+        # ln b = ln(T / T_0) / gamma;  rates are those of ln(T / T_0) and -gamma ln h
+        _, _, rates = self._heated(fraction)
+        if TEMPERATURE in rates:
+            growth[columns[TEMPERATURE]] = rates[TEMPERATURE] / self.gamma
+        if AXIAL_STRETCH in rates:
+            longer[columns[AXIAL_STRETCH]] = -rates[AXIAL_STRETCH] / self.gamma
+        return growth - state.hot / self.gamma**2 * exponent, longer
+
     # ---- the path ----
 
     def changes(self, step, response, target):
-        """Compute the change of the residual while air leaves the hole at fixed displacements."""
-        if sum(self.times_between(step.fraction, target)) == 0.0:
+        """Compute the change of the residual at fixed displacements, as air leaves the hole and is
+        heated and stretched."""
+        if self.environment is None and self.time_between(step.fraction, target)[0] == 0.0:
             return []
         later = self._vented(response.x, target, response.history)
         # dR = -(p(t + dt) - p(t)) g at fixed V
@@ -311,16 +384,17 @@ class VentedAirTerm(TrappedAirTerm):
 
 
 def density(left: float, mass: float, kappa: float, gamma: float) -> float:
-    """Solve left exp(y) - mass + kappa Phi(y) = 0 for y, the logarithm of the density over that outside.
+    """Solve left exp(y) - mass + kappa Phi(y) = 0 for y, the logarithm of the density over that at the
+    pressure outside.
 
     Parameters
     ----------
     left : float
-        Volume over that at the start, V / V0.
+        Volume over that at the start, h V / V0.
     mass : float
-        Fraction of the mass m_n at the beginning of the load step.
+        Fraction of the mass at the beginning of the load step, times b: b m_n.
     kappa : float
-        C_d a c dt / V0, zero for no vents or no time.
+        sqrt(b) C_d a c dt / V0, zero for no vents or no time.
     gamma : float
     """
     # y is between that of the sealed hole, exp(y) = m_n V0 / V, and that outside, 0

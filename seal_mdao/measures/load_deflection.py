@@ -17,7 +17,7 @@ class LoadDeflectionError(Derived):
     Attributes
     ----------
     base : Reaction
-        The forces, one value at every travel.
+        The forces, one value at every travel or time.
     targets : tuple of float
         Target force at every travel, in the units of ``base``.
     weights : tuple of float, or None
@@ -38,7 +38,7 @@ class LoadDeflectionError(Derived):
     text = "Sum of the squared differences from target forces, relative to these."
 
     def __post_init__(self):
-        count = 1 if self.base.travels is None else len(self.base.travels)
+        count = self.base.count
         if self.base.direction is None and len(self.base.components) > 1:
             raise ValueError(f"{self.name!r} needs a force along one axis or direction")
         given = np.ones(count) if self.weights is None else self.weights

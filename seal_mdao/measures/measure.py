@@ -159,6 +159,10 @@ class Measure:
         """Compute the size below which its value counts as zero, in its unit; None where it has none of
         its own."""
 
+    def missing(self, result) -> str:
+        """Say why its value is not a number in a completed path, in one line; empty where it is one."""
+        return ""
+
     def check(self, seal) -> None:
         """Raise ValueError for a seal of which the measure cannot be taken."""
 

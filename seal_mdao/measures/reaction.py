@@ -1,6 +1,7 @@
-"""Measure of the force of the seal on a profile or its supports, at the end or at chosen travels."""
+"""Measure of the force of the seal on a profile or its supports, at chosen points of the path."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,12 +17,14 @@ TRAVEL = "travel"
 
 @dataclass(frozen=True)
 class Reaction(Measure):
-    """Force of the seal on a profile, or on fixed or moved edges, at the end of the path or at travels.
+    """Force of the seal on a profile, or on fixed or moved edges: at the end of the path, at travels, at
+    the ends of stages or at times.
 
     The force on a profile includes that of edges that are bonded to it.
 
     Between load steps the force is interpolated linearly; the derivatives are those of the interpolated
-    value, also where a parameter of the motion changes when a travel is reached.
+    value, also where a parameter of the motion, or a duration, changes when a travel or a time is
+    reached.
 
     Attributes
     ----------
@@ -39,6 +42,10 @@ class Reaction(Measure):
         Length of the seal, mm, for a force in N; None for the force per length, N/m.
     edges : tuple of str
         In place of a profile: names of edges, on whose prescribed components the force acts.
+    stages : tuple of int, or None
+        In place of travels: at the ends of these stages of the path, from 1 on.
+    times : tuple of float, or None
+        In place of travels: at these times of a body that relaxes, s.
 
     Raises
     ------
@@ -53,6 +60,8 @@ class Reaction(Measure):
     direction: tuple | str | None = None
     length: float | None = None
     edges: tuple = ()
+    stages: tuple | None = None
+    times: tuple | None = None
     name: str = "reaction"
     units = "N/m"
     text = "Force of the seal on the profile: horizontal, vertical."
@@ -81,7 +90,12 @@ class Reaction(Measure):
     @property
     def _what(self) -> str:
         """Where on the path and in which directions, in words."""
-        at = "" if self.travels is None else " at travels along its path"
+        places = (
+            (self.travels, " at travels along its path"),
+            (self.stages, " at the ends of stages"),
+            (self.times, " at times"),
+        )
+        at = next((text for given, text in places if given is not None), "")
         if self.direction is not None:
             return at + (" against its travel" if self.direction == TRAVEL else " in a direction")
         return f"{at}: {', '.join(('horizontal', 'vertical')[i] for i in self.components)}"
@@ -106,45 +120,73 @@ class Reaction(Measure):
         return 1.0 if self.length is None else 1e-3 * self.length
 
     @property
+    def count(self) -> int:
+        """Number of travels, stages or times; 1 for the end."""
+        given = (own for own in (self.travels, self.stages, self.times) if own is not None)
+        return len(next(given, (None,)))
+
+    @property
     def _rows(self) -> int:
         """Number of values per travel."""
         return len(self.components) if self.direction is None else 1
 
     def size(self, seal):
-        return self._rows * (1 if self.travels is None else len(self.travels))
+        return self._rows * self.count
+
+    def check(self, seal):
+        if self.times is not None:
+            total = stage_times(seal.terms()[0], self.name).total
+            if max(self.times) > total * (1.0 + ROUNDING):
+                raise ValueError(f"time = {max(self.times):g} s, but the path takes {total:.6g} s")
 
     def evaluate(self, result, partials):
-        steps, motion = result.path.nominal_steps, self._motion(result)
-        if self.travels is None:
-            requested = [(motion.travel, float(len(steps)), np.zeros(len(motion.names)))]
-        else:
-            self._check_reached(result, motion)
-            # travels are counted from the first touch of the nominal seal, where that is known
-            before = result.seal.before_touch
-            counted = [before + travel for travel in self.travels]
-            requested = [(travel, *motion.at_travel(travel)) for travel in counted]
+        motion = self.motion(result)
         parts = [
-            self._interpolated(result, partials, row * self._rows, motion, *point)
-            for row, point in enumerate(requested)
+            self._interpolated(result, partials, row * self._rows, motion, point)
+            for row, point in enumerate(self._points(result, motion))
         ]
         return np.concatenate(parts)
+
+    def _points(self, result, motion) -> list["PathPoint"]:
+        """List the points of the path at which the force is taken."""
+        none = np.zeros(len(motion.names))
+        if self.times is not None:
+            body = result.term("structure").definition
+            times = stage_times(body, self.name)
+            found = [times.fraction_at(min(time, times.total)) for time in self.times]
+            steps = np.arange(len(motion.travels))
+            return [
+                PathPoint(
+                    float(np.interp(fraction, steps, motion.travels)), fraction, none,
+                    _fraction_rates(body.environment, fraction),
+                )
+                for fraction in found
+            ]  # fmt: skip
+        if self.stages is not None:
+            ends = [end_of_stage(result, stage) for stage in self.stages]
+            return [PathPoint(motion.travels[end], float(end), none) for end in ends]
+        if self.travels is None:
+            return [PathPoint(motion.travel, float(len(result.path.nominal_steps)), none)]
+        self._check_reached(result, motion)
+        # travels are counted from the first touch of the nominal seal, where that is known
+        before = result.seal.before_touch
+        counted = [before + travel for travel in self.travels]
+        return [PathPoint(travel, *motion.at_travel(travel)) for travel in counted]
 
     def curve(self, result) -> tuple[np.ndarray, np.ndarray]:
         """Return the load-deflection curve: travels (n + 1,), mm, and forces (n + 1,) in the unit of the
         value, at the start and at n nominal steps; along the first component, if there are two."""
-        motion, forces = self._motion(result), self.forces(result)
+        motion, forces = self.motion(result), self.forces(result)
         # counted from the first touch
         travels = motion.travels[: len(forces) + 1]
         # F_k = e_k . R_k, zero at the start
-        units = [self._directions(motion, travel)[0][0] for travel in travels[1:]]
+        units = [self.directions_at(motion, travel)[0][0] for travel in travels[1:]]
         values = [self.scale * (e @ force) for e, force in zip(units, forces, strict=True)]
         return travels - result.seal.before_touch, np.append(0.0, values)
 
-    def _motion(self, result):
+    def motion(self, result):
         """Return the motion of the profile, or of the first profile that travels if it does not."""
-        problem = result.path.problem
-        moving = (*problem.terms, *getattr(problem.imposed, "edges", ()))
-        motions = {own.label: own.motion for own in moving if hasattr(own, "motion")}
+        motions = motions_of(result)
         found = motions.get(self.profile, next(iter(motions.values())))
         if found.travel > 0.0:
             return found
@@ -156,7 +198,7 @@ class Reaction(Measure):
 
     def forces(self, result) -> np.ndarray:
         """Compute the force at every nominal step, shape (n_steps, 2), N/m."""
-        forces = [self._force(result, step) for step in result.path.nominal_steps]
+        forces = [self.force_at(result, step) for step in result.path.nominal_steps]
         return np.array(forces).reshape(-1, 2)
 
     def _supports(self, result) -> np.ndarray:
@@ -171,13 +213,13 @@ class Reaction(Measure):
         terms = result.path.problem.terms
         return not self.edges and any(term.label == self.profile for term in terms)
 
-    def _force(self, result, step) -> np.ndarray:
+    def force_at(self, result, step) -> np.ndarray:
         """Compute the force at a converged step, shape (2,), N/m."""
         if self.edges:
             return result.path.support_force(self._supports(result), step)
         return result.path.force(self.profile, step)
 
-    def _add_partials(self, result, partials, step, rows, directions) -> None:
+    def add_partials(self, result, partials, step, rows, directions) -> None:
         """Add the derivatives of e . F at a step for directions e (r, 2)."""
         supports = self._supports(result)
         if self._touches(result):
@@ -197,9 +239,9 @@ class Reaction(Measure):
                 result,
             )
 
-    def _directions(self, motion, travel) -> tuple[np.ndarray, np.ndarray]:
-        """Compute the directions (r, 2) of the forces at a travel, and their derivatives (m, r, 2) with
-        respect to the m parameters of the motion."""
+    def directions_at(self, motion, travel) -> tuple[np.ndarray, np.ndarray]:
+        """Compute the directions (r, 2) of the forces at a travel, unit vectors, and their derivatives
+        (m, r, 2) with respect to the m parameters of the motion."""
         if self.direction == TRAVEL:
             unit, rates = travel_direction(motion, travel)
             return -unit[None], -rates[:, None]
@@ -208,12 +250,11 @@ class Reaction(Measure):
             fixed = np.array([self.direction])
         return fixed, np.zeros((len(motion.names), *fixed.shape))
 
-    def _interpolated(self, result, partials, row, motion, travel, fraction, rates) -> np.ndarray:
-        """Interpolate the values after ``fraction`` nominal steps, at ``travel``; ``rates`` are the
-        derivatives of the fraction with respect to the parameters of the motion."""
+    def _interpolated(self, result, partials, row, motion, point: "PathPoint") -> np.ndarray:
+        """Interpolate the values at a point of the path."""
         # F = (1 - w) F_k + w F_(k+1),  w = fraction - k,  dF/d(fraction) = F_(k+1) - F_k
-        steps = result.path.nominal_steps
-        directions, turns = self._directions(motion, travel)
+        steps, fraction = result.path.nominal_steps, point.fraction
+        directions, turns = self.directions_at(motion, point.travel)
         directions, turns = self.scale * directions, self.scale * turns
         first, force, change = min(int(fraction), len(steps) - 1), np.zeros(2), np.zeros(2)
         rows = row + np.arange(self._rows)
@@ -225,15 +266,77 @@ class Reaction(Measure):
                 continue
             # weights 1 - w of F_k and w of F_(k+1)
             step = steps[number - 1]
-            total = self._force(result, step)
+            total = self.force_at(result, step)
             force, change = force + weight * total, change + sign * total
             if weight != 0.0:
-                self._add_partials(result, partials, step, rows, weight * directions)
+                self.add_partials(result, partials, step, rows, weight * directions)
         # m = e . F:  dm/dp = e . (F_(k+1) - F_k) d(fraction)/dp + F . de/dp
-        for name, rate, turn in zip(motion.names, rates, turns, strict=True):
+        for name, rate, turn in zip(motion.names, point.rates, turns, strict=True):
             if rate != 0.0 or turn.any():
                 partials.parameter(name)[rows] += rate * (directions @ change) + turn @ force
+        # dm/dp of the parameters of the time, likewise
+        for name, rate in point.by_time:
+            partials.parameter(name)[rows] += rate * (directions @ change)
         return directions @ force
+
+
+class PathPoint(NamedTuple):
+    """A point of the path at which a force is taken.
+
+    Attributes
+    ----------
+    travel : float
+        Of the profile, mm.
+    fraction : float
+        Number of nominal steps completed.
+    rates : ndarray, shape (m,)
+        Derivatives of the fraction in the m parameters of the motion.
+    by_time : tuple of (str, float)
+        Its derivatives in parameters of the time, by name.
+    """
+
+    travel: float
+    fraction: float
+    rates: np.ndarray
+    by_time: tuple = ()
+
+
+def motions_of(result) -> dict:
+    """Return the motions of profiles and moved edges by label, in the order of the seal."""
+    problem = result.path.problem
+    moving = (*problem.terms, *getattr(problem.imposed, "edges", ()))
+    return {own.label: own.motion for own in moving if hasattr(own, "motion")}
+
+
+def end_of_stage(result, stage: int) -> int:
+    """Return the number of nominal steps up to the end of a stage of the path, counted from 1.
+
+    The stages of the path are those of the first motion that has any: of one that stands still there is
+    a single one.
+    """
+    motions = motions_of(result).values()
+    moving = (own for own in motions if len(own.steps) > 1 or own.moves)
+    return int(np.cumsum(next(moving).steps)[stage - 1])
+
+
+def stage_times(body, name: str):
+    """Return the ``StageTimes`` of an ``ElasticBody``; ValueError, with the name of a measure, where it
+    has none."""
+    environment = body.environment
+    if environment is None or environment.time is None:
+        raise ValueError(
+            f"{name!r} is wanted at a time, but no material relaxes, so that stages take no time; use "
+            "travel or stage"
+        )
+    return environment.time
+
+
+def _fraction_rates(environment, fraction: float) -> tuple:
+    """Derivatives of the path parameter at a given time, by the names of the parameters of the time."""
+    # t(s, p) is fixed: ds/dp = -(dt/dp) / (dt/ds)
+    slope = environment.time.slope_at(fraction)
+    rates = environment.time_rates([fraction])
+    return tuple((name, -float(own[0]) / slope) for name, own in rates.items())
 
 
 def travel_direction(motion, travel: float) -> tuple[np.ndarray, np.ndarray]:

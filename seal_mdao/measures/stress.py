@@ -53,23 +53,24 @@ class VonMises(Measure):
 
     def evaluate(self, result, partials):
         points = np.array(self.points, int)
-        stress, by_gradient, by_constants = particle_stress(result.path, points)
-        rows = np.arange(len(points))
+        stress, rows = particle_stress(result.path, points), np.arange(len(points))
         # d sigma_vm/dF and d sigma_vm/d(constants) of ``particle_stress``
-        partials.gradient()[rows, points] += by_gradient
-        for name, row in by_constants.items():
+        for step, by_gradient in stress.by_gradient:
+            partials.gradient(step)[rows, points] += by_gradient
+        for name, row in stress.by_constants.items():
             partials.parameter(name)[:] += row
-        return stress
+        return stress.value
 
 
-def _stress_norm(result, points, order, partials, on_gradient) -> float:
-    """Compute the p-norm of the von Mises stress at points, and add its derivatives in F to
-    ``on_gradient`` (N, 4)."""
-    stress, by_gradient, by_constants = particle_stress(result.path, points)
+def _stress_norm(result, points, order, partials, gradient_at) -> float:
+    """Compute the p-norm of the von Mises stress at points, and add its derivatives in F at every step
+    to ``gradient_at(step)`` (1, N, 4 or 5)."""
+    stress = particle_stress(result.path, points)
     # N = (sum sigma_i^p)^(1/p),  dN/dF_i = (dN/d sigma_i) d sigma_i/dF_i
-    value, weight = p_norm(stress, order)
-    on_gradient[points] += weight[:, None] * by_gradient
-    for name, row in by_constants.items():
+    value, weight = p_norm(stress.value, order)
+    for step, by_gradient in stress.by_gradient:
+        gradient_at(step)[0][points] += weight[:, None] * by_gradient
+    for name, row in stress.by_constants.items():
         partials.parameter(name)[0] += weight @ row
     return value
 
@@ -94,7 +95,7 @@ class StressNorm(Measure):
     def evaluate(self, result, partials):
         n = len(result.particles)
         points = np.arange(n) if self.points is None else np.array(self.points, int)
-        return _stress_norm(result, points, self.order, partials, partials.gradient()[0])
+        return _stress_norm(result, points, self.order, partials, partials.gradient)
 
 
 @dataclass(frozen=True)
@@ -151,5 +152,5 @@ class LargestVonMises(Measure):
 
     def evaluate(self, result, partials):
         points = self.points(result.seal)
-        order, on_gradient = self.order(points.size), partials.section_gradient()[0]
-        return _stress_norm(result, points, order, partials, on_gradient)
+        order = self.order(points.size)
+        return _stress_norm(result, points, order, partials, partials.section_gradient)

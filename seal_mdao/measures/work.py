@@ -6,6 +6,7 @@ import numpy as np
 
 from seal_mdao.geometry.pose import quarter_turn
 from seal_mdao.measures.measure import Measure
+from seal_mdao.measures.reaction import end_of_stage
 
 
 @dataclass(frozen=True)
@@ -23,35 +24,45 @@ class StrainEnergy(Measure):
 
 @dataclass(frozen=True)
 class ProfileWork(Measure):
-    """Work of a profile on the seal from the start to the end of the path, per unit depth.
+    """Work of a profile on the seal from the start to the end of the path, or between the ends of two
+    stages, per unit depth.
 
     The sum of force . travel and moment . angle over the nominal load steps by the trapezoidal rule,
-    with an error of second order in the step. Over a closed loop it is the work dissipated by friction.
+    with an error of second order in the step. Over a closed loop it is the work dissipated by friction,
+    by softening and by relaxation: the hysteresis loss.
 
     Attributes
     ----------
     profile : str
         Label of a contact, whose points are particles where the profile turns.
+    stages : pair of int, or None
+        Stages of the path, counted from 1, between whose ends the work is done; 0 is the start.
     """
 
     profile: str
     name: str = "profile_work"
+    stages: tuple | None = None
     units = "mJ/m"
     text = "Work of the profile on the seal along the path, per unit depth."
 
     def evaluate(self, result, partials):
         term, steps = result.term(self.profile), result.path.nominal_steps
-        at = np.arange(len(steps) + 1.0)
+        first, last = (0, len(steps)) if self.stages is None else self._ends(result)
+        at = np.arange(first, last + 1.0)
         poses = np.array([term.motion.coordinates(n) for n in at])
         rates = np.array([term.motion.rates_at(n) for n in at])
         # W = -sum_n (F_n . dz_n + M_n dtheta_n),  dz_n = (z_(n+1) - z_(n-1)) / 2,
-        # at the last step (z_n - z_(n-1)) / 2
+        # half of one increment at either end
         travels, travel_rates = _travels(poses), _travels(rates)
         value, by_motion = 0.0, np.zeros(rates.shape[1])
-        for number, step in enumerate(steps):
-            response = result.response(self.profile, step)
+        for number, completed in enumerate(range(first, last + 1)):
+            # no force at the start of the path
+            if completed == 0:
+                continue
+            step = steps[completed - 1]
             travel, angle = travels[number, :2], travels[number, 2]
-            arm = response.x - poses[number + 1, :2] - term.motion.pivot
+            response = result.response(self.profile, step)
+            arm = response.x - poses[number, :2] - term.motion.pivot
             # M = sum a x f = sum a . (-S f):  dM/da = -S f,  dM/df = S a,  a = x - z - c
             on_arm = -quarter_turn(response.force)
             moment = float((arm * on_arm).sum())
@@ -65,17 +76,22 @@ class ProfileWork(Measure):
                 partials.particles[0, particle] -= on_arm * angle
             # dW/dp = -F . d(dz)/dp - M d(dtheta)/dp + dtheta (dM/da) . dz/dp
             by_motion -= travel_rates[number] @ np.array([*response.total, moment])
-            by_motion += angle * (rates[number + 1, :, :2] @ on_arm.sum(axis=0))
+            by_motion += angle * (rates[number, :, :2] @ on_arm.sum(axis=0))
         for name, slope in zip(term.motion.names, by_motion, strict=True):
             partials.parameter(name)[0] += slope
         return value
 
+    def _ends(self, result) -> tuple[int, int]:
+        """Numbers of nominal steps up to the ends of both stages."""
+        first, last = (end_of_stage(result, own) if own else 0 for own in self.stages)
+        return first, last
+
 
 def _travels(poses: np.ndarray) -> np.ndarray:
-    """Compute half the increments from the pose before to the pose after, without the first pose; the
-    last one is followed by itself."""
-    following = np.concatenate([poses[2:], poses[-1:]])
-    return 0.5 * (following - poses[:-1])
+    """Compute half the increments from the pose before to the pose after; the first pose follows, and
+    the last one is followed by, itself."""
+    before, after = poses[[0, *range(len(poses) - 1)]], poses[[*range(1, len(poses)), -1]]
+    return 0.5 * (after - before)
 
 
 @dataclass(frozen=True)

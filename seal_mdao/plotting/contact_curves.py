@@ -7,7 +7,7 @@ from matplotlib.ticker import MultipleLocator
 
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import contact_range, open_points
+from seal_mdao.measures.selection import contact_range
 from seal_mdao.plotting.style import (
     BESIDE,
     BLUE,
@@ -19,6 +19,7 @@ from seal_mdao.plotting.style import (
     styled,
     subplots,
 )
+from seal_mdao.seals.gaps import open_between
 from seal_mdao.seals.profiles import (
     arc_length,
     contact_positions,
@@ -161,7 +162,7 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     state = result.path.at_nominal(label)[-1].state
     shown = _shown(state != OPEN, GAP_BEYOND)
     # points of gap regions, open between contacts
-    opened = open_points(state, is_closed(result.term(label).where))
+    opened = open_between(result, label)
     _shade_gaps(axes, s, opened)
     for number, travel in enumerate(earlier):
         step = int(np.argmin(np.abs(result.travel - travel)))

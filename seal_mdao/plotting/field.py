@@ -8,6 +8,9 @@ from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table
 from seal_mdao.seals.result import SealResult
 from seal_mdao.structure.particle_stress import deformation_gradients
+from seal_mdao.structure.relaxed_stress import relaxed_stress
+from seal_mdao.structure.second_stress import point_state
+from seal_mdao.structure.softened_stress import softened_stress
 from seal_mdao.terms.point_assembly import interpolate
 
 WANTED = 8000
@@ -54,14 +57,18 @@ class FineGrid:
         """Compute deformed coordinates after a nominal step, shape (k, 2), mm."""
         # x = X + sum_I Phi_I(X) c_I
         u = np.empty((len(self.points.anchors), 2))
-        interpolate(self.table.raw, self._coefficients(step), u)
+        d = self.result.path.nominal_steps[step].d
+        interpolate(self.table.raw, self._coefficients(d), u)
         return self.undeformed() + u
 
-    def _coefficients(self, step: int) -> np.ndarray:
-        """Compute the coefficients c of the raw shape functions after a nominal step, (n, 2), mm."""
+    def _coefficients(self, d: np.ndarray) -> np.ndarray:
+        """Compute the coefficients c of the raw shape functions, (n, 2), mm."""
         # Phi T d = Phi (T d): to transform the coefficients is faster than to transform the table
-        transformation = self.result.path.discretization.transformation
-        return transformation.coefficients(self.result.path.nominal_steps[step].d)
+        return self.result.path.discretization.transformation.coefficients(d)
+
+    def _gradients(self, d: np.ndarray) -> np.ndarray:
+        """Compute F, J - 1 and h of a body of revolution at the points, shape (k, 5 or 6)."""
+        return deformation_gradients(self.table.raw, self._coefficients(d))
 
     def von_mises(self, step: int = -1) -> np.ndarray:
         """Compute the von Mises stress after a nominal step, shape (k,), kPa.
@@ -69,17 +76,22 @@ class FineGrid:
         Points between quadrature points may exceed the limit of a material law, where it gives no
         stress; they get the highest stress of all other points.
         """
-        # |F|^2 = F_ij F_ij and J of every point, then the law of its region
-        f = deformation_gradients(self.table.raw, self._coefficients(step))
-        square, jacobian, stress = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4], np.empty(len(f))
-        # and h of a body of revolution
-        state = [square, jacobian, *f[:, 5:].T]
-        term, fraction = (
-            self.result.term("structure"), self.result.path.nominal_steps[step].fraction
-        )  # fmt: skip
+        term, path = self.result.term("structure"), self.result.path
+        now, stress = path.nominal_steps[step], np.empty(len(self.region))
+        f = self._gradients(now.d)
+        # |F|^2 = F_ij F_ij and J of every point, h of a body of revolution, then the law of its region
+        state = point_state(f)
         for number, region in enumerate(term.definition.regions):
             at = self.region == number
-            stress[at] = term.von_mises(region, [own[at] for own in state], fraction)[0]
+            if region.prony is None and region.softening is None:
+                stress[at] = term.von_mises(region, [own[at] for own in state], now.fraction)[0]
+                continue
+            # of rubber that relaxes or softens through all steps so far
+            steps = path.steps[: path.steps.index(now) + 1]
+            history = np.array([self._gradients(own.d)[at] for own in steps])
+            fractions = [own.fraction for own in steps]
+            evaluate = softened_stress if region.prony is None else relaxed_stress
+            stress[at] = evaluate(term, region, history, fractions)
         return np.nan_to_num(stress, nan=np.nanmax(stress))
 
 

@@ -134,12 +134,14 @@ def _draw_cumulative(axes, samples: dict) -> None:
 
 
 def _bin_edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of ``BINS`` equal bins; of values that are equal to rounding, around them."""
+    """Return the edges of ``BINS`` equal bins; of values that are equal to rounding, those of one bin
+    more within 10 % of them, so that they are one bar in the middle."""
     low, high = values.min(), values.max()
     # a little wider than the values, so that rounding leaves none out
     middle, half = 0.5 * (low + high), 0.5 * (1.0 + EQUAL) * (high - low)
-    least = EQUAL * abs(middle) or 0.5
-    return middle + max(half, least) * np.linspace(-1.0, 1.0, BINS + 1)
+    if half <= EQUAL * abs(middle) or half == 0.0:
+        return middle + (0.1 * abs(middle) or 0.5) * np.linspace(-1.0, 1.0, BINS + 2)
+    return middle + half * np.linspace(-1.0, 1.0, BINS + 1)
 
 
 def _draw_limited(axes, limited: dict, band) -> None:

@@ -18,10 +18,9 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.curve import LINE, curve_point
 from seal_mdao.geometry.profile import RigidProfile, trace
-from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import open_points
 from seal_mdao.plotting.field import FineGrid, cell_loops
 from seal_mdao.plotting.style import GREY, LIGHT_GREY, ORANGE, STRESS_MAP, STRESS_MAPS
+from seal_mdao.seals.gaps import open_between
 from seal_mdao.seals.profiles import contacts, moved_edges, self_contacts
 from seal_mdao.seals.result import SealResult
 
@@ -277,8 +276,7 @@ def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
         touching.append(own.x[own.branch != OPEN])
         # with itself a wall has no order of points, hence no region between contacts
         if isinstance(term, RigidContact):
-            where = result.term(term.label).where
-            opened.append(own.x[open_points(own.branch, is_closed(where))])
+            opened.append(own.x[open_between(result, term.label, step)])
     for fill, label, points in (
         (ORANGE, "in contact", touching), ("white", "open between contacts", opened),
     ):  # fmt: skip

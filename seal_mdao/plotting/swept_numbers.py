@@ -1,16 +1,24 @@
 """Numbers of several analyses over the one that varies."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.style import BLUE, styled, subplots
+from seal_mdao.plotting.travel_curves import add_length_axis
+from seal_mdao.seals.result_units import ResultUnits
 
 MOST_COLUMNS = 3
 
 
 @styled
-def numbers_over(label: str, values: Sequence[float], columns: Mapping[str, Sequence]) -> Figure:
+def numbers_over(
+    label: str,
+    values: Sequence[float],
+    columns: Mapping[str, Sequence],
+    ring: ResultUnits | None = None,
+    forces: Collection[str] = (),
+) -> Figure:
     """Plot numbers over a varied one, a panel for each.
 
     Parameters
@@ -20,6 +28,10 @@ def numbers_over(label: str, values: Sequence[float], columns: Mapping[str, Sequ
     values : sequence of float
     columns : mapping of str to sequence
         Numbers at the values by their names.
+    ring : ResultUnits, optional
+        Of rings of one circumference: ``forces`` have a right axis in N per mm of it.
+    forces : collection of str
+        Names of the columns that are forces, N.
     """
     across = min(MOST_COLUMNS, len(columns))
     down = -(-len(columns) // across)
@@ -30,4 +42,6 @@ def numbers_over(label: str, values: Sequence[float], columns: Mapping[str, Sequ
         axes.plot(values, numbers, "o-", color=BLUE)
         axes.set_title(name.replace("_", " "), loc="left", fontsize=9.5)
         axes.set_xlabel(label)
+        if name in forces:
+            add_length_axis(axes, ring)
     return figure

@@ -8,14 +8,26 @@ from itertools import cycle
 import numpy as np
 from matplotlib.figure import Figure
 
-from seal_mdao.plotting.style import BLUE, CYCLE, VERMILION, mark_failure, signed, styled, subplots
+from seal_mdao.analysis.cost import duration
+from seal_mdao.plotting.style import (
+    BLUE,
+    CYCLE,
+    GREY,
+    VERMILION,
+    mark_failure,
+    signed,
+    styled,
+    subplots,
+)
 from seal_mdao.seals.cavities import cavity_pressures
-from seal_mdao.seals.profiles import moving_histories, profile_histories
+from seal_mdao.seals.profiles import moving_histories, path_stages, profile_histories
 from seal_mdao.seals.result import SealResult
 
 WIDTHS = (6.6, 9.0, 11.0)
 """Widths of figures with one, two or three and more columns, inches."""
-COMPONENTS = ((1, "vertical", BLUE, "-"), (0, "horizontal", VERMILION, "--"))
+VISIBLE = 0.05
+"""Part of the forces of a panel below which the change in a dwell has no label."""
+COMPONENTS = ((1, BLUE, "-"), (0, VERMILION, "--"))
 
 
 @styled
@@ -49,27 +61,48 @@ def load_deflection(result: SealResult) -> Figure:
         # F = 0 at the start of the path
         travel, force = _with_start(segment, history.force)
         axes.axhline(0.0, color="black", linewidth=0.8)
-        for component, name, color, style in COMPONENTS:
-            own = force[:, component]
+        names = result.seal.units.directions
+        for component, color, style in COMPONENTS:
+            own, name = force[:, component], names[component]
             axes.plot(travel, own, color=color, linestyle=style, label=name)
             axes.plot(travel[-1], own[-1], "o", color=color)
             axes.annotate(
                 signed(own[-1]), (travel[-1], own[-1]), xytext=(6, 0), textcoords="offset points",
                 va="center" if own[-1] > 0.0 else "top", color=color,  # keep off the zero line
             )  # fmt: skip
-        _mark_critical(axes, result, segment, travel, force)
+        _label_dwells(
+            axes, path_stages(result.seal), segment, travel, force[:, history.main_component]
+        )
+        _mark_critical(axes, result, segment, travel, force[:, history.main_component])
         if last:
             add_length_axis(axes, result.seal.units)
     panels[0][2].legend(loc="best", title="component")
     return figure
 
 
-def add_length_axis(axes, units) -> None:
-    """Add an axis on the right for forces of a seal with ``ResultUnits`` per length along it."""
+def _label_dwells(axes, stages, segment, travel: np.ndarray, force: np.ndarray) -> None:
+    """Write the durations of the stages of a segment in which nothing moves beside their vertical lines,
+    with ``stages`` as of ``path_stages``."""
+    for number in segment.stages if stages is not None else ():
+        begin, end = np.minimum(stages.steps[number - 1 : number + 1], segment.steps.stop)
+        first, last = begin - segment.steps.start, end - segment.steps.start
+        # a line of no visible length has no label
+        if stages.moves[number - 1] or abs(force[last] - force[first]) < VISIBLE * np.ptp(force):
+            continue
+        axes.annotate(
+            duration(stages.durations[number - 1]),
+            (travel[last], 0.5 * (force[first] + force[last])), xytext=(6, 0), gid="dwell",
+            textcoords="offset points", va="center", color=GREY, fontsize=8.5,
+        )  # fmt: skip
+
+
+def add_length_axis(axes, units, location: str | float = "right") -> None:
+    """Add an axis on the right for forces of a seal with ``ResultUnits`` per length along it, or at a
+    ``location`` in widths of the axes."""
     factor, text = units.per_100_mm, "N per 100 mm of seal"
     if units.radius is not None:
         factor, text = units.per_mm, f"N {units.along}".replace(" at", "\nat")
-    right = axes.secondary_yaxis("right", functions=(lambda f: f * factor, lambda f: f / factor))
+    right = axes.secondary_yaxis(location, functions=(lambda f: f * factor, lambda f: f / factor))
     right.set_ylabel(text)
 
 
@@ -98,7 +131,7 @@ def _mark_critical(axes, result, segment, travel: np.ndarray, force: np.ndarray)
         # the force before a jump, that of the step end before the critical point
         before = np.clip(np.searchsorted(ends, fractions) - 1, 0, len(ends) - 1)
         axes.plot(
-            np.interp(fractions, ends, travel), force[before, 1], linestyle="none", marker="D",
+            np.interp(fractions, ends, travel), force[before], linestyle="none", marker="D",
             markerfacecolor="white", markeredgecolor="black", markersize=5.0, zorder=5,
             label="stability lost",
         )  # fmt: skip

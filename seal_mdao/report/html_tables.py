@@ -261,9 +261,10 @@ def _at_profile(result: SealResult, contact, history) -> dict:
     # force over deformed and over undeformed length
     true, nominal = true_pressure(result, contact), nominal_pressure(contact, last)
     units, (across, up) = result.seal.units, map(float, history.force[-1])
+    x, y = units.directions
     forces = {
-        "vertical force on the profile": (units.force, up),
-        "horizontal force on the profile": (units.force, across),
+        f"{y} force on the profile": (units.force, up),
+        f"{x} force on the profile": (units.force, across),
     }
     if units.radius:
         forces |= {

@@ -18,7 +18,7 @@ from seal_mdao.report.recorded_charts import history_data
 from seal_mdao.report.scenarios_table import NOMINAL, nominal_note, scenarios_table
 from seal_mdao.seals.door.door_seal import DOOR_SEAL
 from seal_mdao.seals.gaps import gaps_unmeasured_by
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.result import SealResult
 
 ASSETS = files("seal_mdao.report") / "assets"
@@ -262,22 +262,23 @@ def key_figures(
     gaps, forces = [], []
     for seal in seals:
         start, end = map(tables.measures, seal.ends)
-        profiles = [contact.label for contact in contacts(seal.ends[1].seal)]
-        for profile in profiles:
-            at = f", {profile}" if len(profiles) > 1 else ""
+        # of every profile the component that is larger at the start
+        histories, units = profile_histories(seal.ends[0]), seal.ends[1].seal.units
+        for profile in histories:
+            at = f", {profile.label}" if len(histories) > 1 else ""
+            force = f"{units.directions[profile.main_component]} force"
             of = (f", {seal.name}" if len(seals) > 1 else "") + at
             of += f", {NOMINAL}" if seal.recorded.scenarios else ""
             # rows of ``tables.measures`` of this profile: (unit, value)
             old, new = (own[f"largest gap between contacts{at}"][1] for own in (start, end))
             before = f"between the contacts; start {short(old, 2)} mm"
             gaps.append((f"largest gap{of}", f"{short(new, 2)} mm", before))
-            old, new = (own[f"vertical force on the profile{at}"][1] for own in (start, end))
+            old, new = (own[f"{force} on the profile{at}"][1] for own in (start, end))
             change = f"{tables.percent(new / old)} of its start" if old else ""
-            units = seal.ends[1].seal.units
             if units.radius:
                 around = f"{short(units.per_mm * new, 3)} N {units.along}"
                 change = f"{around}; {change}" if change else around
-            forces.append((f"vertical force{of}", f"{short(new, 3)} {units.force}", change))
+            forces.append((f"{force}{of}", f"{short(new, 3)} {units.force}", change))
     kind, done = "iterations" if history.major else "evaluations", history.evaluations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])

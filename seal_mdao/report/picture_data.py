@@ -12,12 +12,11 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.selection import open_points
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.style import STRESS_MAPS
+from seal_mdao.seals.gaps import open_between
 from seal_mdao.seals.profiles import (
     arc_length,
     contacts,
@@ -90,7 +89,11 @@ class Pictures:
             "scales": _scales(seal, self._tops),
             "ring": seal.body.axisymmetric,
             "mirrored": section.near_axis(seal),
-            "force": {"unit": seal.units.force, "per_mm": seal.units.per_mm},
+            "force": {
+                "unit": seal.units.force,
+                "per_mm": seal.units.per_mm,
+                "directions": seal.units.directions,
+            },
             "low": self._low.tolist(),
             "high": self._high.tolist(),
             "held": [_rounded(line) for line in section.fixed_lines(start.result)],
@@ -212,6 +215,7 @@ def _curves(result, history, steps) -> dict:
         "along": _rounded(along[steps], 6),
         "words": words,
         "reaction": _rounded(history.force[steps]),
+        "component": history.main_component,
     }
     contact = {own.label: own for own in contacts(result.seal)}.get(history.label)
     return found if contact is None else found | _along_contact(result, contact, steps)
@@ -222,7 +226,9 @@ def _along_contact(result, contact, steps) -> dict:
     label, responses = contact.label, result.path.at_nominal(contact.label)
     return {
         "arc": _rounded(arc_length(result, label)),
-        "state": ["".join(map(str, _marks(result, label, responses[step]))) for step in steps],
+        "state": [
+            "".join(map(str, _marks(result, label, responses[step], step))) for step in steps
+        ],
         "pressure": [_rounded(true_pressure(result, contact, step), 2) for step in steps],
         "gap": [_rounded(responses[step].gap, 5) for step in steps],
     }
@@ -243,18 +249,18 @@ def contact_points(result, step: int) -> tuple[np.ndarray, str]:
     for term in (*contacts(result.seal), *self_contacts(result.seal)):
         response = result.path.at_nominal(term.label)[step]
         # open points beyond the contact are left out
-        own = _marks(result, term.label, response)
+        own = _marks(result, term.label, response, step)
         places.append(response.x[own != OPEN])
         found.append(own[own != OPEN])
     return np.concatenate(places), "".join(map(str, np.concatenate(found)))
 
 
-def _marks(result, label: str, response) -> np.ndarray:
+def _marks(result, label: str, response, step: int) -> np.ndarray:
     """States of the points of a contact, ``BETWEEN`` where a profile leaves them between contacts."""
     state = np.array(response.branch)
     where = getattr(result.term(label), "where", None)
     if where is not None:
-        state[open_points(response.branch, is_closed(where))] = BETWEEN
+        state[open_between(result, label, step)] = BETWEEN
     return state
 
 

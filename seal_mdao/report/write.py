@@ -12,6 +12,7 @@ from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.page import ShownSeal, render
 from seal_mdao.report.picture_data import evenly_spread
+from seal_mdao.seals.profiles import path_stages
 from seal_mdao.seals.result import SealResult, frozen_measures
 
 DESIGNS = 40
@@ -63,7 +64,11 @@ def write_report(
     seals = [seal for seal in history.seals if seal.drawable]
     numbers = evenly_spread(len(history.objective), DESIGNS).tolist() if seals else []
     shown = [ShownSeal(seal, analyze_points(seal, numbers, cache)) for seal in seals]
-    further += "".join(ring_section(number, own) for number, own in enumerate(shown))
+    further += "".join(
+        section(number, own)
+        for number, own in enumerate(shown)
+        for section in (ring_section, time_section)
+    )
     text = render(history, cases.name, shown, numbers, further, figures, notes)
     # the report is written beside the recorder file by default
     out = cases.with_name("report.html") if outfile is None else Path(outfile)
@@ -80,6 +85,18 @@ def ring_section(number: int, seal: ShownSeal) -> str:
     note = "Last design at the end of the path, with the von Mises stress on the cuts."
     return figure_section(
         plotting.ring_view(last), f"ring-{number}", f"Deformed ring: {seal.name}", note
+    )
+
+
+def time_section(number: int, seal: ShownSeal) -> str:
+    """Show the force of the last design over time, as a section of the report; empty where the stages
+    take no time."""
+    _, last = seal.ends
+    if path_stages(last.seal) is None or not len(last.path.nominal_steps):
+        return ""
+    note = "Last design; dotted lines are ends of stages."
+    return figure_section(
+        plotting.force_over_time(last), f"time-{number}", f"Force over time: {seal.name}", note
     )
 
 

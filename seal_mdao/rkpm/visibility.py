@@ -39,12 +39,16 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
     radius : ndarray, shape (n,)
         Support radii.
     """
-    sides = _sides(cells).tolist()
-    around = _cells_at_particles(cells, len(particles))
+    beyond = _sides(cells)
+    sides, around = beyond.tolist(), _cells_at_particles(cells, len(particles))
     tree = cKDTree(particles)
-    near = tree.query_ball_point(particles, MARGIN * radius, return_sorted=True)
+    # in a disc without boundary every straight line from its centre lies in the body
+    near_boundary = np.flatnonzero(_boundary_distances(cells, beyond, particles) <= MARGIN * radius)
+    near = tree.query_ball_point(
+        particles[near_boundary], MARGIN * radius[near_boundary], return_sorted=True
+    )
     found = []
-    for particle, candidates in enumerate(near):
+    for particle, candidates in zip(near_boundary.tolist(), near, strict=True):
         nearby = np.unique(np.concatenate([around[other] for other in candidates]))
         own = around[particle]
         # only the particle's own cells are near: nothing can be hidden
@@ -73,6 +77,16 @@ def _sides(cells: np.ndarray) -> np.ndarray:
     beyond = np.full(ends.shape[0], -1)
     beyond[first], beyond[second] = second // 4, first // 4
     return beyond.reshape(-1, 4)
+
+
+def _boundary_distances(cells: np.ndarray, beyond: np.ndarray, particles: np.ndarray) -> np.ndarray:
+    """Compute lower bounds of the distances of particles from the sides without a neighbour (n,)."""
+    following = np.roll(cells, -1, axis=1)
+    outside = (beyond < 0) & (cells != following)
+    start, end = particles[cells[outside]], particles[following[outside]]
+    # |x - s| >= |x - m| - h / 2 for a side s of length h with the middle m
+    half = 0.5 * np.hypot(*(end - start).T).max()
+    return cKDTree(0.5 * (start + end)).query(particles)[0] - half
 
 
 def _cells_at_particles(cells: np.ndarray, n: int) -> list:

@@ -45,7 +45,12 @@ class Processes:
             receiver, self._leash = self._context.Pipe(duplex=False)
             shared = receiver, self._begun
             self._pool = ProcessPoolExecutor(self.count, self._context, _begin, shared)
-        return self._pool.submit(function, *arguments)
+        try:
+            return self._pool.submit(function, *arguments)
+        except OSError:
+            # a worker died while another one was starting, and the pool has closed the queues that this
+            # one was to be given; asked again, it raises BrokenProcessPool
+            return self._pool.submit(function, *arguments)
 
     def end(self) -> None:
         """Terminate all processes now; the next ``submit`` starts new ones."""

@@ -14,6 +14,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
+from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.contact_loss import contact_losses
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.local_states import (
@@ -39,6 +40,8 @@ SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
 SOLID_VOLUME = 0.2
 """det F of compressible material below which it is reported: less than the rubber in a light sponge
 takes up. Largest stresses agree under refinement above 0.3, and differ by factors below 0.1."""
+HIGH_PRESSURE = 9.0
+"""Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
 FEW_CELLS = 0.01
@@ -190,10 +193,23 @@ def _volume(samples: Samples):
         yield Finding(
             f"material is {_squeezed(change[worst])} between the quadrature points: det F = "
             f"{change[worst]:.2g} where {_at(samples.undeformed[worst])} undeformed, so the stress "
-            f"there means nothing; {CURE}",
+            f"there means nothing; {_volume_cure(samples)}",
             not change[worst] > none,
             meaningless=True,
         )
+
+
+def _volume_cure(samples: Samples) -> str:
+    """Advise on a volume change: more quadrature points at a high pressure, else as at a corner."""
+    points = min(in_both_directions(samples.path.discretization.body.n_gauss))
+    pressure = samples.largest_pressure
+    if points > 2 or not pressure > HIGH_PRESSURE:
+        return CURE
+    return (
+        f"the pressure in the rubber reaches {pressure:.3g} shear moduli, and above about "
+        f"{HIGH_PRESSURE:g} particles may oscillate with 2 x 2 Gauss points in a cell: use 3 x 3 "
+        "(quadrature = 3 of [section] with a spacing)"
+    )
 
 
 def _squeezed(change: float) -> str:

@@ -3,11 +3,14 @@
 from collections.abc import Mapping
 
 from seal_mdao import values
+from seal_mdao.analysis.cost import duration
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.structure.environment import (
-    ABSOLUTE_ZERO,
     AXIAL_STRETCH,
+    DURATION,
     SWELLING,
     TEMPERATURE,
+    TIME,
     Environment,
     Growth,
 )
@@ -15,6 +18,7 @@ from seal_mdao.structure.environment import (
 HOTTEST = 1000.0
 """Largest temperature, degrees Celsius."""
 DEGREES = f"{TEMPERATURE}_degC"
+SECONDS = f"{TIME}_s"
 
 
 def conditions_of(
@@ -32,19 +36,26 @@ def conditions_of(
     Returns
     -------
     dict of str to float
-        Those that are given of ``axial_stretch``, ``temperature_degC`` and, for every material,
-        ``swelling`` with its prefix.
+        Those that are given of ``axial_stretch``, ``temperature_degC``, ``time_s`` and, for every
+        material, ``swelling`` with its prefix.
     """
     if environment is None:
         return {}
     ramps = {AXIAL_STRETCH: environment.axial_stretch, DEGREES: environment.temperature}
     ramps |= {prefix + SWELLING: growth.swelling for prefix, growth in growths.items()}
-    return {name: _after(ramp, step) for name, ramp in ramps.items() if ramp is not None}
+    found = {
+        name: _after(ramp, len(ramp.shape) - 1 if step is None else step)
+        for name, ramp in ramps.items()
+        if ramp is not None
+    }
+    times = environment.time
+    if times is not None:
+        found[SECONDS] = _after(times, len(times.stages) - 1 if step is None else step)
+    return found
 
 
-def _after(ramp, step: int | None) -> float:
-    last = len(ramp.shape) - 1
-    return float(ramp.at([last if step is None else step])[0])
+def _after(ramp, step: int) -> float:
+    return float(ramp.at([step])[0])
 
 
 def check_conditions(environment: Environment | None, growths: Mapping[str, Growth]) -> None:
@@ -56,6 +67,10 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
     """
     if environment is None:
         return
+    if environment.time is not None:
+        values.real(TIME, environment.time.value, above=0.0)
+        for number, given in enumerate(environment.time.given, 1):
+            values.real(DURATION.format(number), given, above=0.0)
     for ramp, name, bounds in (
         (environment.axial_stretch, AXIAL_STRETCH, {"low": 0.5, "high": 2.0}),
         (environment.temperature, TEMPERATURE, {"above": ABSOLUTE_ZERO, "high": HOTTEST}),
@@ -80,7 +95,12 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
 
 def conditions_text(conditions: Mapping[str, float]) -> str:
     """Describe the ``conditions_of`` a body, such as ``axial stretch 1.05, 60 degC``; may be empty."""
-    return ", ".join(
-        f"{value:.6g} degC" if name == DEGREES else f"{name.replace('_', ' ')} {value:.6g}"
-        for name, value in conditions.items()
-    )
+    return ", ".join(_described(*own) for own in conditions.items())
+
+
+def _described(name: str, value: float) -> str:
+    if name == DEGREES:
+        return f"{value:.6g} degC"
+    if name == SECONDS:
+        return f"after {duration(value)}"
+    return f"{name.replace('_', ' ')} {value:.6g}"

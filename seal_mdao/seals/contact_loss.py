@@ -7,7 +7,6 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.geometry.motion import Motion
-from seal_mdao.seals.profiles import moves
 
 
 def contact_losses(path: PathResult) -> Iterator[str]:
@@ -16,10 +15,10 @@ def contact_losses(path: PathResult) -> Iterator[str]:
     A profile that stands still has the stages of the first one that moves.
     """
     contacts = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
-    leading = next((term.motion for term in contacts if moves(term.motion)), None)
+    leading = next((term.motion for term in contacts if term.motion.moves), None)
     fractions = np.array([step.fraction for step in path.steps])
     for term in contacts:
-        motion = term.motion if leading is None or moves(term.motion) else leading
+        motion = term.motion if leading is None or term.motion.moves else leading
         touching = np.array([own.branch.any() for own in path.responses(term.label)])
         begin = 0
         for stage, end in enumerate(np.cumsum(motion.steps)):

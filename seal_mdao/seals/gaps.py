@@ -6,11 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.measures.gap import Gap
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.selection import open_points
-from seal_mdao.seals.profiles import contact_positions, contacts
+from seal_mdao.seals.profiles import contact_positions, contacts, self_contacts
 
 NEGLIGIBLE = 1e-3
 """Gap that is as good as closed, mm: a penalty leaves as much."""
@@ -34,6 +35,34 @@ class OpenGap(NamedTuple):
     size: float
     point: int
     place: tuple
+
+
+def open_between(result, profile: str, step: int = -1) -> np.ndarray:
+    """Find the contact points that a profile leaves open between its contacts, and that touch nothing
+    else either, after a nominal step.
+
+    Returns
+    -------
+    ndarray of int
+        Indices of contact points.
+    """
+    own = result.path.at_nominal(profile)[step]
+    points = open_points(own.branch, is_closed(result.term(profile).where))
+    others = [
+        response.x[response.branch != OPEN]
+        for term in (*contacts(result.seal), *self_contacts(result.seal))
+        if term.label != profile
+        for response in (result.path.at_nominal(term.label)[step],)
+    ]
+    touching = np.concatenate([np.empty((0, 2)), *others])
+    if not points.size or not len(touching):
+        return points
+    # points of other contacts may lie between those of this one: half of the distance of neighbours
+    size = len(own.x)
+    beside = [own.x[(points + k) % size] - own.x[points] for k in (-1, 1)]
+    near = 0.5 * np.min([np.hypot(*d.T) for d in beside], axis=0)
+    nearest = np.linalg.norm(own.x[points][:, None] - touching, axis=2).min(axis=1)
+    return points[nearest > near]
 
 
 def largest_gap(result, profile: str) -> OpenGap:

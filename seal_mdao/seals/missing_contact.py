@@ -9,7 +9,7 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.rkpm.cells import sides_of
-from seal_mdao.seals.profiles import moves, stage_of
+from seal_mdao.seals.profiles import stage_of
 
 
 class Buried(NamedTuple):
@@ -44,7 +44,7 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
     terms = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
     # x = X + u after every load step
     x = [path.discretization.particles + path.displacement(k) for k in range(len(nominal))]
-    leading = next((term.motion for term in terms if moves(term.motion)), None)
+    leading = next((term.motion for term in terms if term.motion.moves), None)
     outside = [
         name for name in body.edges if not _of_hole(body.edges, name, path.discretization.particles)
     ]
@@ -62,7 +62,7 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
                 worst = int(depths.argmax())
                 place = x[worst][free[name]][gaps[worst].argmin()]
                 found[name] = float(depths[worst]), place, int((depths > least).argmax())
-        motion = term.motion if leading is None or moves(term.motion) else leading
+        motion = term.motion if leading is None or term.motion.moves else leading
         for name, (depth, place, first) in found.items():
             cure = _cure(body, name, [*may, *found])
             yield Buried(name, term.label, depth, place, _position(motion, first), cure)

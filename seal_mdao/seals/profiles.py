@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.analysis.cost import duration
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_fractions
 from seal_mdao.measures.boundary_line import BoundaryLine, contact_fractions, ordered_points
 from seal_mdao.measures.contact_modulus import ContactModulus
+from seal_mdao.seals.path_times import StageEnds, stage_ends, times_at
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""
@@ -90,6 +92,12 @@ class ProfileHistory:
     nominal_peak: np.ndarray
     load_segments: tuple
 
+    @property
+    def main_component(self) -> int:
+        """Component of the force that becomes larger along the path: 0 along x, 1 along y."""
+        across, up = np.abs(self.force).max(axis=0, initial=0.0)
+        return 0 if across > up else 1
+
 
 def leading_contact(seal) -> RigidContact:
     """Return the contact with the leading profile: the first that moves, the first one if none does.
@@ -102,7 +110,7 @@ def leading_contact(seal) -> RigidContact:
     found = contacts(seal)
     if not found:
         raise ValueError("the seal has no profile that it may touch")
-    return next((contact for contact in found if moves(contact.motion)), found[0])
+    return next((contact for contact in found if contact.motion.moves), found[0])
 
 
 def moved_edges(seal) -> tuple:
@@ -115,18 +123,18 @@ def motions(seal) -> list[Motion]:
     return [own.motion for own in (*contacts(seal), *moved_edges(seal))]
 
 
+def path_stages(seal) -> StageEnds | None:
+    """Return the stages of the path with their times; None for a seal whose stages take no time."""
+    return stage_ends(seal, motions(seal))
+
+
 def leading_motion(seal) -> Motion | None:
     """Return the motion of the leading profile, or of moved edges without profiles; None without
     either."""
     if contacts(seal):
         return leading_contact(seal).motion
     found = motions(seal)
-    return next((motion for motion in found if moves(motion)), next(iter(found), None))
-
-
-def moves(motion: Motion) -> bool:
-    """Return whether a motion moves its profile at all."""
-    return bool(np.ptp(motion.positions, axis=0).any() or np.ptp(motion.angles))
+    return next((motion for motion in found if motion.moves), next(iter(found), None))
 
 
 def profile_histories(result) -> tuple[ProfileHistory, ...]:
@@ -144,7 +152,7 @@ def moving_histories(result) -> tuple[ProfileHistory, ...]:
 
 def _history(result, contact) -> ProfileHistory:
     # a profile that stands still shows the stages of the leading one
-    motion = contact.motion if moves(contact.motion) else leading_motion(result.seal)
+    motion = contact.motion if contact.motion.moves else leading_motion(result.seal)
     number = np.array([step.nominal for step in result.path.nominal_steps], int)
     stage = stage_of(motion, number)
     since = _waypoints(motion)[stage - 1]
@@ -318,14 +326,15 @@ def key_steps(result) -> list[int]:
 
 
 def caption(result, step: int) -> str:
-    """Describe where the profiles are after a nominal step."""
-    motion = leading_motion(result.seal)
+    """Describe where the profiles are after a nominal step, and the time where the seal has times."""
+    motion, time = leading_motion(result.seal), times_at(result.seal, [step + 1.0])
+    after = [] if time is None else [f"after {duration(time[0])}"]
     if motion is None:
-        return f"step {step + 1} of {result.seal.n_steps}"
+        return ", ".join([f"step {step + 1} of {result.seal.n_steps}", *after])
     (stage,) = stage_of(motion, np.array([step]))
     moved = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
     travel, turn = stage_travel(result.seal, step + 1.0), moved[2]
     words = [f"travel {travel:.3g} mm"] if np.hypot(*moved[:2]) else []
     words += [f"turn {turn:.3g}°"] if turn else []
     head = [f"stage {stage}"] if len(motion.steps) > 1 else []
-    return ", ".join([*head, *(words or ["at rest"])])
+    return ", ".join([*head, *(words or ["at rest"]), *after])

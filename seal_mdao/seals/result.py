@@ -14,12 +14,13 @@ from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
-from seal_mdao.errors import LoadPathError
+from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.measures.contact_pressure import unresolved_peaks
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import take_path, without_factors
+from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.instabilities import Instability, instabilities
 from seal_mdao.seals.missing_contact import missing_contact
@@ -119,7 +120,8 @@ class SealResult:
         # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
         errors = (*penalty_error.warnings_of(self), *unresolved_peaks(self))
-        return (*found, *errors, *self.seal.warnings)
+        missing = (measure.missing(self) for measure in self.seal.standard)
+        return (*found, *filter(None, missing), *errors, *self.seal.warnings)
 
     @property
     def trustworthy(self) -> bool:
@@ -226,7 +228,9 @@ class SealResult:
         values = {measure.name: self.value(measure) for measure in measures}
         unknown = [name for name, value in values.items() if np.isnan(value).any()]
         if unknown:
-            wrong = [found.text for found in findings(self.path) if found.meaningless]
+            wrong = [own.missing(self) for own in measures if own.name in unknown]
+            wrong = [*filter(None, wrong)]
+            wrong += [found.text for found in findings(self.path) if found.meaningless]
             raise LoadPathError(f"{', '.join(unknown)} is not a number: {'; '.join(wrong)}", self)
         return values
 
@@ -294,7 +298,7 @@ class SealResult:
     def stress_field(self, step: int = -1) -> np.ndarray:
         """Von Mises stress at all particles after a nominal step, shape (n,), kPa."""
         every = np.arange(len(self.particles))
-        return particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+        return particle_stress(self.path, every, self.path.nominal_steps[step]).value
 
     def section_stress(self, step: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """Compute the von Mises stress over the section after a nominal step, at ``Body.samples``.
@@ -308,7 +312,7 @@ class SealResult:
         """
         samples = self.path.discretization.body.samples
         every = np.arange(len(samples.anchors))
-        stress = particle_stress(self.path, every, self.path.nominal_steps[step])[0]
+        stress = particle_stress(self.path, every, self.path.nominal_steps[step]).value
         # undeformed sample points, linear in the particles
         return samples.at(self.particles), stress
 
@@ -522,7 +526,9 @@ def analyze_particles(
 
     Factors of converged tangents are cached up to ``factor_memory`` (GiB). The ``discretization`` may
     be that of a seal with the same particles and points of its terms, in other load steps and with
-    other penalties; ``resume`` and ``states`` are those of ``load_path.solve_path``.
+    other penalties; ``resume`` and ``states`` are those of ``load_path.solve_path``. A profile inside of
+    which the particles of a changed design would begin starts farther back where the seal has
+    ``clear_designs``; ``SealResult.seal`` is then that with the other start.
     """
     # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
@@ -541,5 +547,18 @@ def analyze_particles(
     if discretization is None:
         discretization = discretize(seal.body, particles, terms)
     problem = PathProblem(discretization, terms, seal.imposed())
-    path = solve_path(problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states)
+    try:
+        path = solve_path(
+            problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states
+        )
+    except GeometryError:
+        # a design that has grown into a profile: that begins farther back
+        grown = seal.clear_designs and not np.array_equal(particles, seal.nominal_particles)
+        clear = with_clear_starts(seal, particles) if grown else seal
+        if clear is seal:
+            raise
+        return analyze_particles(
+            clear, particles, boundary_offsets, factor_memory=factor_memory, callback=callback,
+            discretization=discretization, states=states,
+        )  # fmt: skip
     return SealResult(seal, path, boundary_offsets)

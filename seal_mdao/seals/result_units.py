@@ -37,6 +37,11 @@ class ResultUnits(NamedTuple):
         return self.radius is not None and units == PLANE.force
 
     @property
+    def directions(self) -> tuple[str, str]:
+        """Names of the components x and y of a force."""
+        return ("horizontal", "vertical") if self.radius is None else ("radial", "axial")
+
+    @property
     def along(self) -> str:
         """Text of the length to which ``per_mm`` refers."""
         return f"per mm of circumference at the mean radius {self.radius:.4g} mm"

@@ -124,6 +124,16 @@ class Samples:
         return all(m.bulk_modulus > KEEPS_VOLUME * m.shear_modulus for m in materials)
 
     @cached_property
+    def largest_pressure(self) -> float:
+        """Largest hydrostatic pressure at the quadrature points, over the largest shear modulus."""
+        structure, step = self.path.problem.term("structure"), self.path.steps[-1]
+        # -p = -K* sum_h N_h s_h, positive in compression
+        tension = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
+        return float(-tension.min()) / max(
+            region.material.shear_modulus for region in structure.definition.regions
+        )
+
+    @cached_property
     def wall(self) -> float:
         """Mean thickness of the undeformed body, twice its area over the length of its boundary."""
         x, outer = self.path.discretization.particles, self.sides[0]

@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -83,12 +83,17 @@ class Seal:
         the offsets, both complex for complex offsets; the area of the cells when left out.
     offset_limit : float
         Largest offset, mm.
+    clear_designs : bool
+        Whether a profile inside of which a changed design would begin starts farther back
+        (``seals.clear_start``); of the class. Otherwise the design is refused.
 
     Raises
     ------
     ValueError
         For arrays that do not fit each other, labels that repeat, inputs that no term knows.
     """
+
+    clear_designs: ClassVar[bool] = False
 
     nominal_particles: np.ndarray
     design_velocity: np.ndarray

@@ -26,6 +26,8 @@ from seal_mdao.structure.internal_force import (
     W_HH,
     W_JH,
     W_TH,
+    add_carried_moduli,
+    carried_stress,
     hoop_moduli,
     hoop_stretch,
     plane_jacobian,
@@ -49,6 +51,8 @@ class BodyStates(NamedTuple):
     deformation : Deformation
     w : ndarray, shape (5 or 9, K, n_columns, q)
         W_T, W_J, W_TT, W_TJ, W_JJ; in a body of revolution also W_h, W_Th, W_Jh, W_hh.
+    carried : ndarray, shape (K, n_columns, q, 3 or 4), or empty
+        H of a body that relaxes.
     """
 
     table: ShapeTable
@@ -58,6 +62,7 @@ class BodyStates(NamedTuple):
     d: np.ndarray
     deformation: Deformation
     w: np.ndarray
+    carried: np.ndarray
 
 
 class ColumnLaw(NamedTuple):
@@ -162,6 +167,14 @@ def linearize_column(states, column, step_of, law):
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
             stress = point_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
+            if states.carried.size:
+                own = states.carried[k, column, q]
+                more = carried_stress(f, own)
+                stress = (
+                    stress[0] + more[0], stress[1] + more[1], stress[2] + more[2],
+                    stress[3] + more[3],
+                )  # fmt: skip
+                add_carried_moduli(own, moduli)
             weight = weights[q] * hoop_stretch(f)
             for r in range(4):
                 values[at.stress + r, s], values[at.gradient + r, s] = stress[r], f[r]
@@ -176,6 +189,8 @@ def linearize_column(states, column, step_of, law):
                 hoop_moduli(f, w_j, w_th, w_jh, w_hh, moduli)
                 # P_h = W_h + W_J det F,  J_h = det F
                 values[at.stress + 4, s] = w[W_H, k, column, q] + w_j * plane_jacobian(f)
+                if states.carried.size:
+                    values[at.stress + 4, s] += f[5] * states.carried[k, column, q, 3]
                 values[at.cofactor + 4, s] = weights[q] * plane_jacobian(f)
                 values[at.gradient + 4, s] = 0.0
             for r in range(strains):

@@ -4,9 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.structure.environment import (
-    Environment,
-)
+from seal_mdao.materials import softening, viscoelastic
+from seal_mdao.structure.environment import EXPANSION, Environment
 from seal_mdao.structure.region import Region
 from seal_mdao.structure.structural_term import StructuralTerm
 from seal_mdao.terms.term import Scalar, TermDefinition
@@ -40,12 +39,33 @@ class ElasticBody(TermDefinition):
             for region in self.regions
             for name, value in region.material.constants.items()
         }
+        found |= {
+            region.prefix + name: Scalar(
+                value,
+                softening.UNITS.get(name),
+                f"Constant {name} of the law of Ogden and Roxburgh.",
+            )
+            for region in self.regions
+            if region.softening is not None
+            for name, value in region.softening.constants.items()
+        }
         if self.environment is None:
             return found
         found |= {
             region.prefix + name: scalar
             for region in self.regions
+            if self.environment.acts_on(region.growth)
             for name, scalar in region.growth.scalars.items()
+            # without a temperature an expansion changes nothing
+            if name != EXPANSION or self.environment.temperature is not None
+        }
+        found |= {
+            region.prefix + name: Scalar(
+                value, viscoelastic.unit_of(name), f"Constant {name} of the relaxation."
+            )
+            for region in self.regions
+            if region.prony is not None
+            for name, value in region.prony.constants.items()
         }
         return found | self.environment.scalars
 
@@ -72,7 +92,7 @@ class ElasticBody(TermDefinition):
 
     def on(self, discretization, index) -> "StructuralTerm":
         """The term on one design."""
-        return StructuralTerm(self, discretization)
+        return StructuralTerm(self, discretization, index)
 
     def per_cell(self, values, n_cells: int, dtype=float) -> np.ndarray:
         """A value of each region spread to its cells."""

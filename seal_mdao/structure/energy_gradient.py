@@ -84,7 +84,7 @@ def energy_gradient(term, step) -> EnergyGradient:
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
     on_weights = on_weights.reshape(term.cells.weights.shape)
     constants = term.energy_by_constants(deformation)
-    return EnergyGradient(term.forces(d, step.fraction), grad, on_weights, constants)
+    return EnergyGradient(term.forces(d, step.fraction, None), grad, on_weights, constants)
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Environment of a body along the path: axial stretch, temperature, swelling.
+"""Environment of a body along the path: axial stretch, temperature, swelling, time.
 
 A material at the temperature T grows freely by theta = (1 + alpha (T - T_0)) S^(1/3), with its expansion
 alpha and the ratio S of its volume swollen and dry, and its moduli have the factor m(T). A long section
@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.materials.conditioned import Conditions
-from seal_mdao.terms.ramp import Ramp
+from seal_mdao.terms.ramp import Ramp, StageTimes
 from seal_mdao.terms.term import Scalar
 
 AXIAL_STRETCH, TEMPERATURE = "axial_stretch", "temperature"
+TIME, DURATION = "time", "duration_{}"
+"""Names of the parameters of all durations, and of that of a stage, from 1 on."""
 EXPANSION, SWELLING = "expansion", "swelling"
-ABSOLUTE_ZERO = -273.15
-"""Degrees Celsius."""
 
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """Axial stretch and temperature of the whole body.
+    """Axial stretch, temperature and time of the whole body.
 
     Attributes
     ----------
@@ -30,10 +30,13 @@ class Environment:
         h along a plane section; 1 unless given.
     temperature : Ramp, optional
         In degrees Celsius, from that at which the body has its shape and its materials their constants.
+    time : StageTimes, optional
+        Of a body that relaxes.
     """
 
     axial_stretch: Ramp | None = None
     temperature: Ramp | None = None
+    time: StageTimes | None = None
 
     @property
     def scalars(self) -> dict:
@@ -41,21 +44,47 @@ class Environment:
         given = (
             (AXIAL_STRETCH, self.axial_stretch, None, "Stretch along the section."),
             (TEMPERATURE, self.temperature, "degC", "Temperature."),
+            (TIME, self.time, "s", "Time of the complete path as given; it scales all durations."),
         )
-        return {
+        found = {
             name: Scalar(own.value, units, text)
             for name, own, units, text in given
             if own is not None
         }
+        for number, duration in enumerate(() if self.time is None else self.time.given, 1):
+            text = f"Duration of stage {number}, where {TIME} has not been changed."
+            found[DURATION.format(number)] = Scalar(float(duration), "s", text)
+        return found
+
+    @property
+    def _ramps(self) -> dict:
+        """Quantities that change along the path, those that are given."""
+        own = {name: getattr(self, name) for name in (AXIAL_STRETCH, TEMPERATURE, TIME)}
+        return {name: ramp for name, ramp in own.items() if ramp is not None}
 
     def with_parameters(self, values: dict) -> "Environment":
         """Return the environment with some of the ``scalars`` changed."""
-        own = {name: values[name] for name in self.scalars if name in values}
-        return replace(self, **{n: replace(getattr(self, n), value=v) for n, v in own.items()})
+        own = {n: ramp.with_value(values.get(n, ramp.value)) for n, ramp in self._ramps.items()}
+        if self.time is not None:
+            names = [DURATION.format(number) for number in range(1, len(self.time.given) + 1)]
+            pairs = zip(names, self.time.given, strict=True)
+            own[TIME] = own[TIME].with_durations([values.get(name, d) for name, d in pairs])
+        return replace(self, **own)
+
+    def time_rates(self, fractions) -> dict:
+        """Evaluate the derivatives of the time at path parameters (K,) in its parameters, by name."""
+        rates = enumerate(self.time.rates_of_durations(fractions), 1)
+        by_stage = {DURATION.format(number): own for number, own in rates}
+        return {TIME: self.time.rates(fractions)} | by_stage
+
+    def acts_on(self, growth: "Growth") -> bool:
+        """Return whether the law of a material is another one in the environment."""
+        changing = self.axial_stretch, self.temperature, growth.swelling
+        return any(own is not None for own in changing)
 
     def with_ends(self, ends) -> "Environment":
         """Return the same environment in other load steps, whose ``ends`` are in nominal steps."""
-        own = {name: getattr(self, name).with_ends(ends) for name in self.scalars}
+        own = {name: ramp.with_ends(ends) for name, ramp in self._ramps.items()}
         return replace(self, **own)
 
 
@@ -145,8 +174,8 @@ def region_conditions(environment: Environment, growth: Growth, prefix: str, fra
         heating, (factor, slope) = hot - temperature.start, growth.factor(hot)
         r = temperature.rates(fractions)
         rates[TEMPERATURE] = zeros, growth.expansion * swollen * r, slope * r
+        rates[prefix + EXPANSION] = zeros, heating * swollen, zeros
     theta = (1.0 + growth.expansion * heating) * swollen
-    rates[prefix + EXPANSION] = zeros, heating * swollen, zeros
     if growth.swelling is not None:
         # d theta/dS = theta / (3 S)
         by_ratio = theta / (3.0 * ratio) * growth.swelling.rates(fractions)

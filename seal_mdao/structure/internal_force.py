@@ -44,6 +44,29 @@ def point_stress(f, w_t, w_j):
     )
 
 
+@inlined
+def carried_stress(f, carried):
+    """Stress F H of the stress ``carried`` (11, 22, 12, and 33 with h): 11, 12, 21, 22."""
+    return (
+        f[0] * carried[0] + f[1] * carried[2],
+        f[0] * carried[2] + f[1] * carried[1],
+        f[2] * carried[0] + f[3] * carried[2],
+        f[2] * carried[2] + f[3] * carried[1],
+    )
+
+
+@internal
+def add_carried_moduli(carried, a):
+    """Add d(F H)/dF = delta_ik H_jl, and H_33 of h, to the moduli ``a``."""
+    for r in range(2):
+        a[2 * r, 2 * r] += carried[0]
+        a[2 * r + 1, 2 * r + 1] += carried[1]
+        a[2 * r, 2 * r + 1] += carried[2]
+        a[2 * r + 1, 2 * r] += carried[2]
+    if len(a) == 5:
+        a[4, 4] += carried[3]
+
+
 @internal
 def hoop_moduli(f, w_j, w_th, w_jh, w_hh, a):
     """Row and column of h in the moduli ``a`` (5, 5) at fixed pressure, which ``w_j`` contains."""
@@ -161,7 +184,9 @@ def _scatter_tangent(grad, c, hoop, g, buffer, slots, values):
 
 
 @compiled
-def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatter, force, values):
+def assemble_internal(
+    table, weights, functions, deformation, k, w, bulk, carried, scatter, force, values
+):
     """Add the internal force to ``force`` and, where ``values`` is not empty, the tangent to it.
 
     Parameters
@@ -176,6 +201,8 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
         W_T, W_J, W_TT, W_TJ, W_JJ at that field; in a body of revolution also W_h, W_Th, W_Jh, W_hh.
     bulk : ndarray, shape (n_columns,)
         K of the projected energy.
+    carried : ndarray, shape (n_columns, q, 3 or 4), or empty
+        H of a body that relaxes (``relaxation``), which acts with P = ... + F H, P_h = ... + h H_33.
     scatter : Scatter
     force, values : ndarray
         Length n_equations + 1 (the last collects imposed components), and the tangent buffer.
@@ -212,6 +239,10 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
             pressure = bulk[column] * at_point(functions, q, swelling)
             w_t, w_j = w[0, column, q], w[1, column, q] + pressure
             p = point_stress(f, w_t, w_j)
+            if carried.size:
+                # + F H
+                more = carried_stress(f, carried[column, q])
+                p = (p[0] + more[0], p[1] + more[1], p[2] + more[2], p[3] + more[3])
             for i in range(n):
                 # f_Ii = sum_q w P_ij Phi_I,j   Eq. (43)
                 local[i] += weight * (p[0] * b[0, i] + p[1] * b[1, i])
@@ -219,6 +250,8 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
             if around:
                 # P_h = W_h + W_J det F
                 p_h = w[W_H, column, q] + w_j * plane_jacobian(f)
+                if carried.size:
+                    p_h += f[5] * carried[column, q, 3]
                 for i in range(n):
                     # f_I1 += sum_q w P_h Phi_I / R
                     local[i] += weight * p_h * b[2, i]
@@ -226,6 +259,8 @@ def assemble_internal(table, weights, functions, deformation, k, w, bulk, scatte
                 # A = dP/dF at fixed pressure
                 w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
                 point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
+                if carried.size:
+                    add_carried_moduli(carried[column, q], a)
                 if around:
                     w_th, w_jh, w_hh = w[W_TH, column, q], w[W_JH, column, q], w[W_HH, column, q]
                     hoop_moduli(f, w_j, w_th, w_jh, w_hh, a)

@@ -29,6 +29,8 @@ from seal_mdao.structure.force_products import (
 from seal_mdao.structure.internal_force import W_H, assemble_internal
 from seal_mdao.terms.linearized_term import LinearizedTerm
 
+_NOTHING = np.empty((0, 0, 0))
+
 
 class BodyDesign(NamedTuple):
     """Rates of what a design moves in the body, or seeds on it, in P columns.
@@ -91,7 +93,7 @@ class BodyBlock:
     """
 
     def __init__(self, term, steps, scatter=None):
-        self.term, layout = term, term.discretization.layout
+        self.term, self.steps, layout = term, steps, term.discretization.layout
         self.scatter = layout.force_scatter if scatter is None else scatter
         self.states = term.states(steps)
 
@@ -104,7 +106,8 @@ class BodyBlock:
 
     def _add_constants(self, constant_rates, loads):
         """The force is linear in W_T, W_J, W_h and K; so its rates are forces of their rates."""
-        states, by_constants = self.states, self.term.constant_derivatives(self.states.deformation)
+        states = self.states
+        by_constants = self.term.constant_derivatives(states.deformation, self.steps)
         bulk_rates = self.term.bulk_rates(states.deformation.fractions)
         quadrature, w = (states.table, states.weights, states.functions), np.zeros_like(states.w)
         for row, rate in enumerate(constant_rates):
@@ -116,8 +119,8 @@ class BodyBlock:
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    *quadrature, states.deformation, k, w[:, k], bulk_rates[row, k], self.scatter, force,
-                    np.empty(0),
+                    *quadrature, states.deformation, k, w[:, k], bulk_rates[row, k], _NOTHING,
+                    self.scatter, force, np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
 
@@ -126,7 +129,7 @@ class BodyBlock:
         term, n_steps = self.term, len(self.states.d)
         constants, bulk_rates = np.empty((0, *self.states.w[:2].shape)), np.empty((0, n_steps, 0))
         if design.wanted:
-            constants = term.constant_derivatives(self.states.deformation)
+            constants = term.constant_derivatives(self.states.deformation, self.steps)
             bulk_rates = term.bulk_rates(self.states.deformation.fractions)
         add_force_seeds(
             self.states, constants, bulk_rates, np.repeat(np.arange(n_steps), [*map(len, mixes)]),

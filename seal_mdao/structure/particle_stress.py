@@ -1,10 +1,15 @@
-"""Von Mises stress of the deviatoric Cauchy stress at particles."""
+"""Von Mises stress of the deviatoric Cauchy stress at points of the section."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao.compilation import compiled
 from seal_mdao.rkpm.shape_functions import grad_rows
 from seal_mdao.structure.deformation import group_gradients
+from seal_mdao.structure.relaxed_stress import relaxed_von_mises
+from seal_mdao.structure.second_stress import point_state
+from seal_mdao.structure.softened_stress import softened_von_mises
 
 
 @compiled
@@ -25,46 +30,73 @@ def deformation_gradients(table, d: np.ndarray) -> np.ndarray:
     return f
 
 
-def particle_stress(path, points: np.ndarray, step=None):
+class PointStress(NamedTuple):
+    """Von Mises stress at s points at a converged step, and its derivatives.
+
+    Attributes
+    ----------
+    value : ndarray, shape (s,)
+    by_gradient : list of (ConvergedStep, ndarray of shape (s, 4 or 5))
+        In F in the order 11, 12, 21, 22, and in h in a body of revolution: at the step itself, and
+        before it at all others where the body relaxes or softens.
+    by_constants : dict of str to ndarray, shape (s,)
+        By the names of the parameters.
+    """
+
+    value: np.ndarray
+    by_gradient: list
+    by_constants: dict
+
+
+def particle_stress(path, points: np.ndarray, step=None) -> PointStress:
     """Von Mises stress at ``points`` (s,) of ``Body.samples``, the particles first, at a converged step
     (the last).
 
     At a point between two materials it is that of the region named last.
-
-    Returns
-    -------
-    stress : ndarray, shape (s,)
-    by_gradient : ndarray, shape (s, 4 or 5)
-        d stress / d F in the order 11, 12, 21, 22, and d stress / dh in a body of revolution.
-    by_constants : dict of str to ndarray, shape (s,)
-        By the names of the material parameters.
     """
     disc, structure = path.discretization, path.problem.term("structure")
     step = path.steps[-1] if step is None else step
+    steps = [step]
+    if structure.history_dependent:
+        steps = path.steps[: path.steps.index(step) + 1]
     # in order, as the sensitivities ask for their shape functions too
     which, inverse = np.unique(points, return_inverse=True)
-    f = deformation_gradients(disc.table_at(which).table, step.d)[inverse]
-    # T = F : F,  J = det F
-    t, j = (f[:, :4] ** 2).sum(axis=1), 1.0 + f[:, 4]
-    # cof F = (F_22, -F_21, -F_12, F_11)
-    cofactor, h = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0), f[:, 5:].T
-    if h.size:
-        cofactor *= h.T
+    table = disc.table_at(which).table
+    f = np.array([deformation_gradients(table, own.d)[inverse] for own in steps])
     stress, by_constants = np.empty(len(points)), {}
-    by_gradient = np.empty((len(points), disc.body.strains))
+    by_gradient = np.zeros((len(steps), len(points), disc.body.strains))
     # beyond the particles are midpoints of sides and centres of cells
     inside = points.size > 0 and points.max() >= disc.body.n_particles
     of_region = (structure.sample_regions if inside else structure.particle_regions)[points]
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
-        state = (t[at], j[at], *h[:, at])
-        value, by_t, by_j, *by_h = structure.von_mises(region, state, step.fraction)
+        if region.prony is None and region.softening is None:
+            # a region without history beside others: the last step alone
+            value, on_f, rates = _von_mises(structure, region, f[-1, at], step.fraction)
+            by_gradient[-1, at] = on_f
+        else:
+            fractions = [own.fraction for own in steps]
+            evaluate = softened_von_mises if region.prony is None else relaxed_von_mises
+            value, on_f, rates = evaluate(structure, region, f[:, at], fractions)
+            by_gradient[:, at] = on_f
         stress[at] = value
-        # d sigma/dF = 2 sigma_T F + sigma_J h cof F
-        by_gradient[at, :4] = 2.0 * by_t[:, None] * f[at, :4] + by_j[:, None] * cofactor[at]
-        for row in by_h:
-            # d sigma/dh = sigma_h + sigma_J det F
-            by_gradient[at, 4] = row + by_j * (j[at] / h[0, at])
-        for name, row in structure.von_mises_rates(region, state, step.fraction):
-            by_constants.setdefault(name, np.zeros(len(points)))[at] = row
-    return stress, by_gradient, by_constants
+        for name, row in rates:
+            by_constants.setdefault(name, np.zeros(len(points)))[at] += row
+    return PointStress(stress, list(zip(steps, by_gradient, strict=True)), by_constants)
+
+
+def _von_mises(structure, region, f, fraction: float):
+    """Stress, d/dF (with d/dh), and pairs (parameter, d/d(parameter)), of an elastic region."""
+    _, j, *h = state = point_state(f)
+    # cof F = (F_22, -F_21, -F_12, F_11)
+    cofactor = f[:, [3, 2, 1, 0]] * (1.0, -1.0, -1.0, 1.0)
+    if h:
+        cofactor *= h[0][:, None]
+    value, by_t, by_j, *by_h = structure.von_mises(region, state, fraction)
+    on_f = np.empty((len(f), f.shape[1] - 1))
+    # d sigma/dF = 2 sigma_T F + sigma_J h cof F
+    on_f[:, :4] = 2.0 * by_t[:, None] * f[:, :4] + by_j[:, None] * cofactor
+    for row in by_h:
+        # d sigma/dh = sigma_h + sigma_J det F
+        on_f[:, 4] = row + by_j * (j / h[0])
+    return value, on_f, list(structure.von_mises_rates(region, state, fraction))

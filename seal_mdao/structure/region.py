@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.structure.environment import Growth
 
 
@@ -21,6 +23,10 @@ class Region(NamedTuple):
         By heat and swelling, where the body has an environment.
     density : float or None
         kg/m^3; the measure ``mass`` alone needs it.
+    prony : PronySeries or None
+        Relaxation; the environment of the body knows the time then.
+    softening : OgdenRoxburgh or None
+        Softening by the largest energy so far.
     """
 
     material: object
@@ -28,6 +34,8 @@ class Region(NamedTuple):
     prefix: str = ""
     growth: Growth = Growth()
     density: float | None = None
+    prony: PronySeries | None = None
+    softening: OgdenRoxburgh | None = None
 
     @property
     def name(self) -> str:
@@ -48,7 +56,12 @@ class Region(NamedTuple):
         }
         constants = {name: own[name] for name in self.material.names if name in own}
         material = self.material.with_(**constants) if constants else self.material
-        return self._replace(material=material, growth=self.growth.with_parameters(own))
+        prony, softening = (
+            law and law.with_(**{name: own[name] for name in law.constants if name in own})
+            for law in (self.prony, self.softening)
+        )
+        growth = self.growth.with_parameters(own)
+        return self._replace(material=material, growth=growth, prony=prony, softening=softening)
 
     @property
     def at(self):

@@ -22,10 +22,15 @@ from seal_mdao.structure.environment import (
 )
 from seal_mdao.structure.internal_force import assemble_internal, plane_jacobian
 from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
+from seal_mdao.structure.linearized_relaxation import LinearizedRelaxation
+from seal_mdao.structure.linearized_softening import LinearizedSoftening
 from seal_mdao.structure.region import Region
+from seal_mdao.structure.relaxation import Relaxation
+from seal_mdao.structure.softening import Softening
 from seal_mdao.terms.term import Term
 
 _NO_BRANCH = np.empty(0, int)
+_NOTHING = np.empty((0, 0, 0))
 
 
 class StructuralResponse(NamedTuple):
@@ -69,9 +74,18 @@ class StructuralTerm(Term):
     label = "structure"
     conservative = True
 
-    def __init__(self, definition, discretization):
+    def __init__(self, definition, discretization, index: int):
         self.definition, self.names = definition, tuple(definition.scalars)
         self.discretization, self.cells = discretization, discretization.cells
+        self.index, self.material_history, self._linearized = index, None, LinearizedBody
+        if any(region.softening is not None for region in definition.regions):
+            self.material_history = Softening(definition, self.cells)
+            self._linearized = LinearizedSoftening
+        elif any(region.prony is not None for region in definition.regions):
+            count = discretization.body.strains - 1
+            self.material_history = Relaxation(definition, self.cells, count)
+            self._linearized = LinearizedRelaxation
+        self.history_dependent = self.passes_all = self.material_history is not None
         self.functions, self._before = discretization.body.pressure.functions, None
         self.bulk = self._per_column([r.material.bulk_modulus for r in definition.regions])
         self.deformation = no_deformation(1, self.cells, len(self.functions))
@@ -100,18 +114,18 @@ class StructuralTerm(Term):
             )
         return columns[:, 0].copy()
 
-    def _by_cell(self, values: np.ndarray) -> np.ndarray:
+    def by_cell(self, values: np.ndarray) -> np.ndarray:
         """Values (..., n_columns, q of a column) as a view (..., n_cells, q of a cell)."""
         return values.reshape(*values.shape[:-2], *self.cells.weights.shape)
 
     # ---- the material at the quadrature points ----
 
-    def _by_region(self, deformation: Deformation):
+    def by_region(self, deformation: Deformation):
         """Every region with its state (T, J), and h in a body of revolution, as views by cell."""
         states = [deformation.square, deformation.jacobian]
         if deformation.hoop is not None:
             states.append(deformation.hoop)
-        states = [self._by_cell(state) for state in states]
+        states = [self.by_cell(state) for state in states]
         for region in self.definition.regions:
             yield region, [state[..., region.at, :] for state in states]
 
@@ -120,25 +134,26 @@ class StructuralTerm(Term):
         also W_h, W_Th, W_Jh, W_hh, shape (9, ...)."""
         around, environment = deformation.hoop is not None, self.definition.environment
         # one material: no copies
-        if len(self.definition.regions) == 1 and not around and environment is None:
-            material = self.definition.regions[0].material
+        first = self.definition.regions[0]
+        alone = len(self.definition.regions) == 1 and not around
+        if alone and (environment is None or not environment.acts_on(first.growth)):
+            material = first.material
             return material.derivatives(deformation.square, deformation.jacobian)
         out = np.empty((hoop_stretch.ROWS if around else 5, *deformation.square.shape))
-        rows = self._by_cell(out)
+        rows = self.by_cell(out)
         # every region by its own law
-        for region, state in self._by_region(deformation):
+        for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
             rows[:, :, region.at] = conditioned.derivatives(region.material, state, own.conditions)
         return out
 
-    def constant_derivatives(self, deformation: Deformation) -> np.ndarray:
-        """d(W_T, W_J) / d(every parameter) of K fields, shape (C, 2, K, n_columns, q); in a body of
-        revolution d(W_T, W_J, W_h), shape (C, 3, ...). In W_J is the pressure that a parameter adds
-        beside that of ``bulk_rates``."""
+    def law_derivatives(self, deformation: Deformation) -> np.ndarray:
+        """d(W_T, W_J) / d(every parameter) of the laws at K fields, shape (C, 2, K, n_columns, q); in a
+        body of revolution d(W_T, W_J, W_h), shape (C, 3, ...)."""
         around = deformation.hoop is not None
         out = np.zeros((len(self.names), 3 if around else 2, *deformation.square.shape))
-        by_cell = self._by_cell(out)
-        for region, state in self._by_region(deformation):
+        by_cell = self.by_cell(out)
+        for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
             # d(W_T, W_J)/dc; equal names are one parameter
             rows = conditioned.constant_derivatives(region.material, state, own.conditions)
@@ -149,6 +164,15 @@ class StructuralTerm(Term):
                 slopes = conditioned.rates(region.material, state, own.conditions)
                 row = (slopes * rates[:, None]).sum(axis=0)
                 by_cell[self.names.index(name)][:, :, region.at] += row
+        return out
+
+    def constant_derivatives(self, deformation: Deformation, steps) -> np.ndarray:
+        """``law_derivatives`` at K converged steps, with what the history does, and with the pressure in
+        W_J that a parameter adds beside that of ``bulk_rates``."""
+        out = self.law_derivatives(deformation)
+        if self.material_history is not None:
+            responses = [step.responses[self.index] for step in steps]
+            out = self.material_history.constant_derivatives(self, deformation, out, responses)
         # K* c' acts with W_J
         bulk = self.bulk_at(deformation.fractions)
         for name, (_, offset) in self._volumetric(deformation.fractions).rates.items():
@@ -157,7 +181,8 @@ class StructuralTerm(Term):
 
     def conditions(self, region: Region, fractions) -> RegionConditions:
         """Conditions of a region at path parameters (K,); none without an environment."""
-        if self.definition.environment is None:
+        environment = self.definition.environment
+        if environment is None or not environment.acts_on(region.growth):
             return NO_CONDITIONS
         return region_conditions(
             self.definition.environment, region.growth, region.prefix, fractions
@@ -189,6 +214,10 @@ class StructuralTerm(Term):
         out, rates = np.empty((2, *shape)), {}
         for number, region in enumerate(self.definition.regions):
             own = self.conditions(region, fractions)
+            if own.conditions is None:
+                out[0][:, self.column_regions == number] = 1.0
+                out[1][:, self.column_regions == number] = 0.0
+                continue
             law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
             out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
             slopes = np.array([law.bulk_rates, law.offset_rates])
@@ -287,30 +316,38 @@ class StructuralTerm(Term):
 
     # ---- the contract of a term ----
 
+    def no_history(self):
+        return None if self.material_history is None else self.material_history.no_history()
+
+    def no_rates(self, count):
+        return None if self.material_history is None else self.material_history.no_history(count)
+
     def add(self, d, raw, fraction, history, force, values):
         scatter = self.discretization.layout.scatter[0]
-        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values):
-            return None
-        return StructuralResponse(fraction)
+        return self._assemble(self.cells.raw, raw, fraction, history, scatter, force, values)
 
-    def _assemble(self, table, d, fraction, scatter, force, values, before=None) -> bool:
+    def _assemble(self, table, d, fraction, history, scatter, force, values, before=None):
         """Assemble at displacements ``d``; the tangent of a mixed iteration where the displacements
-        ``before`` of the last one are given. False where a point is inverted."""
+        ``before`` of the last one are given. Returns the response, None where a point is inverted."""
         weights, functions = self.cells.column_weights, self.functions
         self._placed(self.deformation, [fraction])
         if deform(table, weights, functions, d, self.deformation) >= 0:
-            return False
+            return None
         # W_T, W_J, W_TT, W_TJ, W_JJ at F
         w, now = self.energy_derivatives(self.deformation)[:, 0], self.deformation
-        quadrature, law = (table, weights, functions), (0, w, self.bulk_at([fraction])[0], scatter)
+        response, more = StructuralResponse(fraction), _NOTHING
+        if self.material_history is not None:
+            response, w, more = self.material_history.respond(self, w, fraction, history)
+        law = 0, w, self.bulk_at([fraction])[0], more, scatter
+        quadrature = table, weights, functions
         if before is None:
             assemble_internal(*quadrature, now, *law, force, values)
-            return True
+            return response
         # tangent with the pressure of the linearised swelling, force with the exact one
         expected = now._replace(swelling=now.swelling - self._beyond_linear(table, d - before))
         assemble_internal(*quadrature, now, *law, force, np.empty(0))
         assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
-        return True
+        return response
 
     def _beyond_linear(self, table, du) -> np.ndarray:
         """Part of the swelling (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
@@ -354,51 +391,70 @@ class StructuralTerm(Term):
         """The pressure in the tangent is K times the linearised swelling: what a linearised rotation
         adds to det F is of second order, but not when the bulk modulus multiplies it."""
         scatter, before = self.discretization.layout.scatter[0], self._before
-        if not self._assemble(self.cells.raw, raw, fraction, scatter, force, values, before):
-            return None
-        self._before = raw
-        return StructuralResponse(fraction)
+        own = self._assemble(self.cells.raw, raw, fraction, history, scatter, force, values, before)
+        self._before = before if own is None else raw
+        return own
 
     def changes(self, step, response, target):
         if self.definition.environment is None:
             return []
         # dR = R(s_target) - R(s) at fixed displacements
         disc, found = self.discretization, []
-        for fraction in (step.fraction, target):
+        begin = step.before[self.index]
+        for fraction, history in ((step.fraction, begin), (target, response.history)):
             force = np.zeros(disc.layout.force_size)
             raw = disc.transformation.coefficients(step.d)
             scatter = disc.layout.scatter[0]
-            self._assemble(self.cells.raw, raw, fraction, scatter, force, np.empty(0))
+            self._assemble(self.cells.raw, raw, fraction, history, scatter, force, np.empty(0))
             found.append(force)
         return [found[1] - found[0]]
 
-    def forces(self, d: np.ndarray, fraction: float) -> np.ndarray | None:
+    def forces(self, d: np.ndarray, fraction: float, history=None) -> np.ndarray | None:
         """Internal forces of all components, imposed ones included, shape (n, 2); None if inverted.
 
         At an imposed component of a converged step this is the force that holds it there.
         """
         every = self.discretization.layout.every_component
         force = np.zeros(2 * len(d) + 1)
-        if not self._assemble(self.cells.table, d, fraction, every, force, np.empty(0)):
+        table = self.cells.table
+        if self._assemble(table, d, fraction, history, every, force, np.empty(0)) is None:
             return None
         return force[:-1].reshape(-1, 2)
 
     def potential(self, d, response) -> float:
-        return self.energy(d, response.fraction)
+        return self.energy(d, response.fraction, response)
 
-    def energy(self, d: np.ndarray, fraction: float) -> float:
-        """Strain energy per unit depth, mJ/m."""
+    def released_energy(self, step, before, d, response, target):
+        if self.material_history is None:
+            return super().released_energy(step, before, d, response, target)
+        # of the potential of this step, in which what was dissipated before is no energy any more
+        released = self.potential(step.d, response) - self.potential(d, response)
+        # relaxation, heat and swelling drive the body with forces f at rest, whose work is no released
+        # energy
+        driving = self.discretization.transformation.coefficients(d - step.d)
+        equations = self.discretization.layout.scatter[0].equations
+        changes = self.changes(step, before, target)
+        work = sum(abs(float((change[equations] * driving).sum())) for change in changes)
+        return released - work, work
+
+    def energy(self, d: np.ndarray, fraction: float, response=None) -> float:
+        """Strain energy per unit depth, mJ/m; of a body with a history the potential of the step of
+        ``response``."""
         deformation = self.deformation_of(d[None], [fraction])
         weights, bulk = self.cells.column_weights, self.bulk_at([fraction])[0]
         # W = sum_q w W(T, J) + sum_h K/2 V_h s_h^2, V_h = sum_q N_h w
+        density = self.density(deformation)
+        if self.material_history is not None:
+            f = deformation.f[0]
+            density = self.material_history.step_density(density, f, response)
         volumetric = 0.5 * bulk[:, None] * self.squared_swelling(deformation)
-        return float((weights * (self.density(deformation) + volumetric)).sum())
+        return float((weights * (density + volumetric)).sum())
 
     def density(self, deformation: Deformation) -> np.ndarray:
         """W at the quadrature points of one field, shape (n_columns, q)."""
         out = np.empty(deformation.square.shape)
-        by_cell = self._by_cell(out)
-        for region, state in self._by_region(deformation):
+        by_cell = self.by_cell(out)
+        for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
             by_cell[:, region.at] = conditioned.energy(region.material, state, own.conditions)
         return out[0]
@@ -406,8 +462,8 @@ class StructuralTerm(Term):
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
         """dW / d(every parameter) of one field, but for what is projected, shape (C, n_columns, q)."""
         out = np.zeros((len(self.names), *deformation.square.shape))
-        by_cell = self._by_cell(out)
-        for region, state in self._by_region(deformation):
+        by_cell = self.by_cell(out)
+        for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
             rows = conditioned.constant_energies(region.material, state, own.conditions)
             for name, row in zip(region.names, rows, strict=True):
@@ -439,15 +495,19 @@ class StructuralTerm(Term):
         return CellBasis(self.names, self.discretization)
 
     def linearization(self, step, following=None, measured=True) -> LinearizedBody:
-        return LinearizedBody(self, step)
+        return self._linearized(self, step)
 
     def states(self, steps) -> BodyStates:
         """The body at converged steps, and its derivatives W_T, ..."""
         d, fractions = np.array([step.d for step in steps]), [step.fraction for step in steps]
         deformation = self.deformation_of(d, fractions)
+        w, more = self.energy_derivatives(deformation), _NOTHING[None]
+        if self.material_history is not None:
+            responses = [step.responses[self.index] for step in steps]
+            w, more = self.material_history.at_steps(w, responses)
         return BodyStates(
             self.cells.table, self.cells.column_weights, self.functions, self.bulk_at(fractions), d,
-            deformation, self.energy_derivatives(deformation),
+            deformation, w, more,
         )  # fmt: skip
 
     def linearization_of_block(self, steps) -> BodyBlock:

@@ -81,6 +81,10 @@ class LinearizedTerm:
             Of measures, in the form of ``no_seeds``.
         """
 
+    def history_loads(self, seeds) -> np.ndarray | None:
+        """What the ``seeds`` on the history passed on come to on d, (n_equations + 1, M), of a term that
+        passes on all of it; None where that is nothing."""
+
     def measured_loads(self, taken, which) -> np.ndarray:
         """What ``taken`` of the measures ``which`` comes to on d, (n_equations + 1, len(which))."""
         raise NotImplementedError

@@ -106,78 +106,108 @@ def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi
                             out[m] -= t * row[j] * mix[j, m]
 
 
-# ---- gradients F = 1 + sum_I d_I grad Phi_I of single points, in the order 11, 12, 21, 22, and in a
-# body of revolution h = 1 + sum_I d_I1 Phi_I / R, the product with the third row of the table ----
+# ---- gradients F = 1 + sum_I d_I grad Phi_I of all k points of a table, in the order 11, 12, 21, 22,
+# and in a body of revolution h = 1 + sum_I d_I1 Phi_I / R, the product with the table's third row ----
 
 
 @compiled
 def add_gradient_rates(table, rates, d, out):
     """Add sum_I d_I grad Phi_I' to ``out`` (k, 4 or 5, P)."""
-    of_point = grad_rows(table)
-    for i in range(table.start.size - 1):
-        s0 = table.start[i]
-        n = table.start[i + 1] - s0
-        which = rates.active[rates.start[i, 0] : rates.start[i + 1, 0]]
-        count, at = which.size, of_point * rates.start[i, 1]
-        for a in range(n):
-            near = table.neighbours[s0 + a]
-            for j in range(2):
-                for p in range(count):
-                    rate = rates.grad[at + (j * n + a) * count + p]
-                    # F_ij' += d_Ii Phi_I,j'
-                    out[i, j, which[p]] += d[near, 0] * rate
-                    out[i, 2 + j, which[p]] += d[near, 1] * rate
-            for p in range(count if of_point == 3 else 0):
-                # h' += d_I1 (Phi_I / R)'
-                out[i, 4, which[p]] += d[near, 0] * rates.grad[at + (2 * n + a) * count + p]
+    of_point, q_count = grad_rows(table), table.group_size
+    for g in range(table.start.size - 1):
+        s0 = table.start[g]
+        n = table.start[g + 1] - s0
+        which = rates.active[rates.start[g, 0] : rates.start[g + 1, 0]]
+        count = which.size
+        for q in range(q_count):
+            i, at = g * q_count + q, of_point * (rates.start[g, 1] + q * n * count)
+            for a in range(n):
+                near = table.neighbours[s0 + a]
+                for j in range(2):
+                    for p in range(count):
+                        rate = rates.grad[at + (j * n + a) * count + p]
+                        # F_ij' += d_Ii Phi_I,j'
+                        out[i, j, which[p]] += d[near, 0] * rate
+                        out[i, 2 + j, which[p]] += d[near, 1] * rate
+                for p in range(count if of_point == 3 else 0):
+                    # h' += d_I1 (Phi_I / R)'
+                    out[i, 4, which[p]] += d[near, 0] * rates.grad[at + (2 * n + a) * count + p]
 
 
 @compiled
 def add_field_gradient(table, equations, field, out):
     """Add sum_I v_I grad Phi_I to ``out`` (k, 4 or 5, P); ``field`` is v."""
-    of_point = grad_rows(table)
-    for i in range(table.start.size - 1):
-        s0 = table.start[i]
-        n = table.start[i + 1] - s0
-        for a in range(n):
-            for c in range(2):
-                at = equations[table.neighbours[s0 + a], c]
-                if at >= 0:
-                    row = field[at]
-                    for j in range(2):
-                        # F_ij += v_Ii Phi_I,j
-                        b = table.grad[of_point * s0 + j * n + a]
-                        for p in range(row.size):
-                            out[i, 2 * c + j, p] += b * row[p]
-                    if of_point == 3 and c == 0:
-                        # h += v_I1 Phi_I / R
-                        b = table.grad[3 * s0 + 2 * n + a]
-                        for p in range(row.size):
-                            out[i, 4, p] += b * row[p]
+    of_point, q_count = grad_rows(table), table.group_size
+    for g in range(table.start.size - 1):
+        s0 = table.start[g]
+        n = table.start[g + 1] - s0
+        for q in range(q_count):
+            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            for a in range(n):
+                for c in range(2):
+                    at = equations[table.neighbours[s0 + a], c]
+                    if at >= 0:
+                        row = field[at]
+                        for j in range(2):
+                            # F_ij += v_Ii Phi_I,j
+                            b = table.grad[first + j * n + a]
+                            for p in range(row.size):
+                                out[i, 2 * c + j, p] += b * row[p]
+                        if of_point == 3 and c == 0:
+                            # h += v_I1 Phi_I / R
+                            b = table.grad[first + 2 * n + a]
+                            for p in range(row.size):
+                                out[i, 4, p] += b * row[p]
 
 
 @compiled
-def add_gradient_seeds(table, f_bar, d, equations, d_bar, grad_bar):
-    """Transpose of both for seeds ``f_bar`` (k, 4 or 5, M) on F: added to those on v, ``d_bar``
-    (n_equations + 1, M), and on grad Phi, ``grad_bar`` (grad.size, M)."""
-    of_point = grad_rows(table)
-    for i in range(table.start.size - 1):
-        s0 = table.start[i]
-        n = table.start[i + 1] - s0
-        for a in range(n):
-            near = table.neighbours[s0 + a]
-            for j in range(2):
-                at = of_point * s0 + j * n + a
-                for c in range(2):
-                    seed = f_bar[i, 2 * c + j]
-                    row = d_bar[equations[near, c]]
+def add_gradient_loads(table, f_bar, equations, d_bar):
+    """Transpose of ``add_field_gradient``: seeds ``f_bar`` (k, 4 or 5, M) on F, added to those on v,
+    ``d_bar`` (n_equations + 1, M)."""
+    of_point, q_count = grad_rows(table), table.group_size
+    for g in range(table.start.size - 1):
+        s0 = table.start[g]
+        n = table.start[g + 1] - s0
+        for q in range(q_count):
+            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            for a in range(n):
+                near = table.neighbours[s0 + a]
+                for j in range(2):
+                    b = table.grad[first + j * n + a]
+                    for c in range(2):
+                        # v_Ii_bar += F_ij_bar Phi_I,j
+                        seed, row = f_bar[i, 2 * c + j], d_bar[equations[near, c]]
+                        for m in range(seed.size):
+                            row[m] += seed[m] * b
+                if of_point == 3:
+                    # v_I1_bar += h_bar Phi_I / R
+                    b, seed = table.grad[first + 2 * n + a], f_bar[i, 4]
+                    row = d_bar[equations[near, 0]]
                     for m in range(seed.size):
-                        # v_Ii_bar += F_ij_bar Phi_I,j,  Phi_I,j_bar += F_ij_bar d_Ii
-                        row[m] += seed[m] * table.grad[at]
-                        grad_bar[at, m] += seed[m] * d[near, c]
-            if of_point == 3:
-                # v_I1_bar += h_bar Phi_I / R,  (Phi_I / R)_bar += h_bar d_I1
-                at, seed, row = 3 * s0 + 2 * n + a, f_bar[i, 4], d_bar[equations[near, 0]]
-                for m in range(seed.size):
-                    row[m] += seed[m] * table.grad[at]
-                    grad_bar[at, m] += seed[m] * d[near, 0]
+                        row[m] += seed[m] * b
+
+
+@compiled
+def add_gradient_seeds(table, f_bar, d, grad_bar):
+    """Transpose of ``add_gradient_rates``: seeds ``f_bar`` (k, 4 or 5, M) on F, added to those on grad
+    Phi, ``grad_bar`` (grad.size, M)."""
+    of_point, q_count = grad_rows(table), table.group_size
+    for g in range(table.start.size - 1):
+        s0 = table.start[g]
+        n = table.start[g + 1] - s0
+        for q in range(q_count):
+            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            for a in range(n):
+                near = table.neighbours[s0 + a]
+                for j in range(2):
+                    row = grad_bar[first + j * n + a]
+                    for c in range(2):
+                        # Phi_I,j_bar += F_ij_bar d_Ii
+                        seed = f_bar[i, 2 * c + j]
+                        for m in range(seed.size):
+                            row[m] += seed[m] * d[near, c]
+                if of_point == 3:
+                    # (Phi_I / R)_bar += h_bar d_I1
+                    row, seed = grad_bar[first + 2 * n + a], f_bar[i, 4]
+                    for m in range(seed.size):
+                        row[m] += seed[m] * d[near, 0]

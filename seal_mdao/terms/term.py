@@ -109,6 +109,8 @@ class Term:
         What rounding leaves of its forces, N/m.
     history_dependent : bool
         Whether a step depends on the one before.
+    passes_all : bool
+        Whether it does so through all displacements, and not a few functions of them (``PassedOn``).
     conservative : bool
         Whether its force is the derivative of its ``potential``, so that its tangent is symmetric.
     couples_points : bool
@@ -121,6 +123,7 @@ class Term:
     names: tuple = ()
     rounding = 0.0
     history_dependent = False
+    passes_all = False
     conservative = False
     couples_points = True
     touches_itself = False
@@ -176,9 +179,9 @@ class Term:
         ``iteration`` has to satisfy (``contact.self_linear``); None without any."""
         return None
 
-    def forces(self, d, fraction: float) -> np.ndarray | None:
-        """Compute the forces (n, 2) on all components at a path parameter, prescribed ones too;
-        None for a term that does not act on these."""
+    def forces(self, d, fraction: float, history=None) -> np.ndarray | None:
+        """Compute the forces (n, 2) on all components at a path parameter, prescribed ones too, with the
+        history of the step before; None for a term that does not act on these."""
         return None
 
     def check_start(self, response: Response) -> None:

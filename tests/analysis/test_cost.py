@@ -79,6 +79,10 @@ def test_short_analysis_is_not_announced(capsys):
         (7080.0, "118 min"),
         (1e4, "2.78 h"),
         (1e6, "11.6 days"),
+        (3.6e6, "1000 h"),
+        (3.6e6 + 2407.0, "1000 h"),
+        (3.2e8, "10.1 years"),
+        (6.048e5, "7 days"),
     ],
 )
 def test_duration_in_words(seconds, words):

@@ -106,7 +106,7 @@ def test_the_swelling_is_linear_in_the_increment(nominal):
     before, after = raw(step.d), raw(nominal.path.steps[61].d)
 
     def swelling(d):
-        assert structure._assemble(table, d, 61.0, problem.discretization.layout.scatter[0],
+        assert structure._assemble(table, d, 61.0, None, problem.discretization.layout.scatter[0],
                                    np.zeros(problem.discretization.layout.force_size),
                                    np.empty(0))  # fmt: skip
         return structure.deformation.swelling[0].copy()

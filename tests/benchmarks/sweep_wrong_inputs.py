@@ -51,7 +51,7 @@ def tried(context, name: str, action) -> tuple:
     while not mine.poll(0.02):
         spent = taken(child.pid, spent)
         if spent[0] > SECONDS or spent[1] > GIB or time.perf_counter() - begun > PATIENCE:
-            child.terminate()
+            child.kill()
             break
     kind, text = ("large", "") if spent[1] > GIB else ("hangs", "")
     if mine.poll():
@@ -59,7 +59,11 @@ def tried(context, name: str, action) -> tuple:
             kind, text, *spent = mine.recv()
         except EOFError:
             kind, text = "died", "the process ended without a word"
-    child.join()
+    child.join(PATIENCE)
+    if child.is_alive():
+        child.kill()
+        child.join()
+        kind, text = "hangs", f"the process did not end after: {text}"
     if spent[1] > GIB:
         kind = "large"
     return kind, text, round(spent[0], 3), round(spent[1], 3), name

@@ -319,13 +319,15 @@ def test_without_an_environment_nothing_is_said_about_it(bulb, tmp_path, capsys)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["conditions"] == {}
 
 
-@pytest.mark.parametrize("given", ["-3:6", "-.5:6", "-1e-3:6", "-a:6:4"])
+@pytest.mark.parametrize("given", ["-3:6", "-.5:6", "-1e-3:6", "-a:6:4", "-3,a"])
 def test_a_wrong_negative_range_is_named(given, capsys):
     with pytest.raises(SystemExit):
         main(["sweep", "x.toml", "--vary", "travel", given])
     said = capsys.readouterr().err
     # letters behind a minus are an option
-    wanted = "expected 2 arguments" if "a" in given else f"{given!r} is not FROM:TO:COUNT"
+    wanted = (
+        "expected 2 arguments" if given[1] == "a" else f"{given!r} is neither FROM:TO:COUNT nor"
+    )
     assert f"argument --vary: {wanted}" in said
 
 
@@ -341,6 +343,30 @@ def test_a_sweep_of_the_travel_from_away_through_zero(bulb, tmp_path):
     assert float(away["door_Fy_N_per_m"]) == float(still["door_Fy_N_per_m"]) == 0.0
     assert still["reaction"] == ""
     assert float(closed["reaction"]) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("0.1,0.2,0.1", "has the same value twice"), ("0.1,,0.2", "is neither FROM:TO:COUNT nor"),
+        ("0.1,nan", "has a number that is not finite"),
+        ("0.1:0.2:0", "has a count that is not in 1 to 200"),
+        (",".join(map(str, range(201))), "has a count that is not in 1 to 200"),
+    ],
+)  # fmt: skip
+def test_wrong_values_of_a_sweep_are_named(given, message, capsys):
+    with pytest.raises(SystemExit):
+        main(["sweep", "x.toml", "--vary", "friction", given])
+    assert f"{given!r} {message}" in capsys.readouterr().err
+
+
+def test_a_sweep_of_listed_values(bulb, tmp_path):
+    """Any order and distances; -1 is a travel away from the seal."""
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(bulb), "--vary", "travel", "-1,1.3,0.9", "--out", str(out)]) == 0
+    away, short, long = swept(out)
+    assert [float(row["door_travel"]) for row in (away, short, long)] == [-1.0, 0.9, 1.3]
+    assert float(long["reaction"]) > float(short["reaction"]) > 0.0
 
 
 def swept(out):
@@ -503,6 +529,19 @@ def test_compare_prints_the_force_on_profiles_that_move(capsys):
     own = {"profiles": ends, "converged": True, "warnings": (), **dict.fromkeys(KEYS)}
     print_table({"seal": own}, {"seal": ["door"]}, {"seal": PLANE})
     assert capsys.readouterr().out == "seal  force on door 1.00, 5.00 N/m\n"
+
+
+def test_compare_prints_the_width_in_contact_with_every_profile(capsys):
+    ends = {
+        "ground": {"force_N_per_m": [0.0, -5.0], "deformed_contact_width_mm": 2.0},
+        "door": {"force_N_per_m": [1.0, 5.0], "deformed_contact_width_mm": 3.25},
+    }
+    own = {"profiles": ends, "converged": True, "warnings": (), **dict.fromkeys(KEYS)}
+    own |= {"area_mm2": 90.0, "deformed_contact_width_mm": 5.25}
+    print_table({"seal": own}, {"seal": ["door"]}, {"seal": PLANE})
+    widths = "2 mm in contact with ground, 3.25 mm in contact with door"
+    force = "force on door 1.00, 5.00 N/m"
+    assert capsys.readouterr().out == f"seal  {force}, {widths}, area_mm2 90\n"
 
 
 def test_names_of_files_of_one_stem():

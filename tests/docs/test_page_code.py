@@ -71,10 +71,20 @@ def test_analysis_without_openmdao(run_page, capsys):
 
 
 def test_fit_of_a_rubber(run_page, capsys):
-    (names,) = run_page("material_tests.md")
+    names, relaxing, cyclic = run_page("material_tests.md")
     found, printed = names["found"], capsys.readouterr().out
     assert f"{found.errors['uniaxial'].rms_kPa}" in printed
     assert printed.count("stable from") == 3
+    # a power law: 2 % of ln t, 4.5 % a decade
+    relaxation = relaxing["relaxation"]
+    assert str(relaxation.tau) in printed
+    assert relaxation.fall_at_end == pytest.approx(1.0 - 10.0**-0.02, rel=0.1)
+    # one amplitude; stresses of r = 2, m = 30 kPa and c10 = 200 kPa, rounded to 1 kPa
+    soft = cyclic["soft"]
+    assert str(soft.softening) in printed
+    expected = {"softening_r": 2.0, "softening_m": 30.0, "softening_beta": 0.0}
+    assert soft.softening.constants == pytest.approx(expected, rel=0.02)
+    assert soft.law.c10 == pytest.approx(200.0, rel=0.01)
 
 
 def test_scenarios_in_a_model(run_page, capsys):

@@ -16,11 +16,13 @@ FILES = sorted(EXAMPLES.glob("*.toml"))
 NAMES = [path.stem for path in FILES]
 TEXTS = {path: path.read_text(encoding="utf-8") for path in FILES}
 OPTIMISED = [path for path in FILES if "[optimize]" in TEXTS[path]]
-# what the others have has tests of its own, on smaller sections
 QUICK = ("d_bulb", "lip", "two_holes")
+LARGEST = "car_door_seal"
+# the others that are optimised are tested as they are
 COARSE = [
     pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.long)
     for path in FILES
+    if path.stem in (*QUICK, LARGEST) or path not in OPTIMISED
 ]
 SHARE = 8
 """Of the load steps and of the travel that a coarse example has."""
@@ -64,8 +66,11 @@ def states(result):
     ])  # fmt: skip
 
 
-def gradients_agree(seal, base=0.0, limit=1e-5):
-    """Every measure's derivative along the design parameters together, and along the constants."""
+def gradients_agree(seal, base=0.0, limit=1e-6):
+    """Every measure's derivative along the design parameters together, and along the constants.
+
+    Apart, since along both an error in a constant would be small beside what the shape does.
+    """
     names, base = tuple(seal.scalars), np.broadcast_to(base, seal.n_offsets)
     result = sm.analyze(seal, base, keep_factors=True)
     assert result.converged, result.failure
@@ -75,7 +80,11 @@ def gradients_agree(seal, base=0.0, limit=1e-5):
     values = np.array([scalar.value for scalar in seal.scalars.values()])
     # gaps are known to eps times the coordinates, forces to the penalty times that
     problem = result.path.problem
-    acting = max(np.linalg.norm(response.total) for response in result.end.responses[1:])
+    acting = max(
+        np.linalg.norm(response.total)
+        for step in result.path.steps
+        for response in step.responses[1:]
+    )
     relative = max(10.0 * np.finfo(float).eps, problem.rounding / acting)
     rng = np.random.default_rng(1)
     for offsets in {0.0, 1.0 if seal.n_offsets else 0.0}:
@@ -137,7 +146,9 @@ def test_the_lip_that_slips_off_releases_what_it_stored():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("path", OPTIMISED, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [path for path in OPTIMISED if path.stem != LARGEST], ids=lambda path: path.stem
+)
 def test_gradients_of_the_examples(path, tmp_path):
     """Beside the nominal sections: where one is symmetric, a point may stand between stick and slip."""
     (tmp_path / path.name).write_text(beside(path.read_text(encoding="utf-8")), encoding="utf-8")
@@ -153,14 +164,17 @@ def test_optima_of_the_examples(path, tmp_path):
     the way there may be at a kink of contact."""
     file = sm.read_seal_file(path)
     seal, found = sm.build_seal(file), optimum(path.stem)
-    known, offsets = stored()[path.stem], np.array(found["offsets"])
+    known = stored()[path.stem]
+    offsets = np.array(known["offsets"])
     # the page shows four digits of the objective
     assert found["before"] == pytest.approx(known["before"], rel=5e-5)
     assert found["after"] == pytest.approx(known["after"], rel=5e-4, abs=1e-4 * known["before"])
     nominal, best = sm.analyze(seal), sm.analyze(seal, offsets)
     measures = {measure.name: measure for measure in frozen_measures(seal)}
     aim = measures[file.optimize.minimize]
-    assert best.value(aim)[0] < nominal.value(aim)[0]
+    value = best.value(aim)[0]
+    assert value == pytest.approx(known["after"], rel=1e-6, abs=1e-9 * known["before"])
+    assert value < nominal.value(aim)[0]
     # examples whose walls are coarse say so, and paths with creases or a contact about to part that
     others = "penalties", "creases"
     warned = tuple(text for text in best.warnings if not any(word in text for word in others))

@@ -9,11 +9,12 @@ from air_ring import air_ring, change_of_residual
 from fluid_seals import ring
 from lines import CENTRAL
 from quotients import quotients
+from scipy.interpolate import lagrange
 
 import seal_mdao as sm
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.enclosed_volume import coupled_points, enclosed_volume, second_derivatives
-from seal_mdao.loads.pressed_sides import PressedSides
+from seal_mdao.loads.pressed_sides import INNER, PressedSides
 from seal_mdao.measures.reaction import Reaction
 
 AXIS = 20.0
@@ -91,19 +92,58 @@ def test_resultant_of_closed_sides():
     assert gradient[:, 0].sum() == pytest.approx(2e-3 * np.pi * polygon_area(egg())[0], rel=1e-10)
 
 
-def test_forces_of_linear_weights_are_integrated_exactly(rng):
-    """One side: integrands of degree 6 against ten Gauss points."""
-    x = rng.uniform(1.0, 2.0, (3, 2))
+def side_of(first, last):
+    """Points of a straight side: its ends and the two Gauss points between them."""
+    at = np.array([0.0, INNER, 1.0 - INNER, 1.0])
+    return first + at[:, None] * (last - first)
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True])
+def test_forces_of_linear_weights_are_integrated_exactly(rng, axisymmetric):
+    """One side: integrands of degree 9 against ten Gauss points; in a body of revolution up to the part
+    with a potential, which is the same for both ends."""
+    x = rng.uniform(1.0, 2.0, (4, 2))
     s, weight = np.polynomial.legendre.leggauss(10)
     s, weight = 0.5 + 0.5 * s, 0.5 * weight
-    shapes = np.array([(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)])
-    slopes = np.array([4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0])
+    shapes = [lagrange([0.0, INNER, 1.0 - INNER, 1.0], own) for own in np.eye(4)]
+    slopes = np.array([own.deriv()(s) for own in shapes])
+    shapes = np.array([own(s) for own in shapes])
     place, along = shapes.T @ x, slopes.T @ x
     inward = np.column_stack([-along[:, 1], along[:, 0]])
-    forces = PressedSides(1, True, True).forces(x)
-    for own, line in zip(forces, (1.0 - s, s), strict=True):
-        expected = 2e-3 * np.pi * (shapes * weight * line * place[:, 0]) @ inward
-        np.testing.assert_allclose(own, expected, atol=1e-14 * np.abs(expected).max())
+    forces = PressedSides(1, True, axisymmetric).forces(x)
+    around = 2e-3 * np.pi * place[:, 0] if axisymmetric else 1.0
+    exact = [(shapes * weight * line * around) @ inward for line in (1.0 - s, s)]
+    first, last = (own - expected for own, expected in zip(forces, exact, strict=True))
+    size = np.abs(exact).max()
+    np.testing.assert_allclose(first, last, atol=1e-13 * size)
+    if not axisymmetric:
+        np.testing.assert_allclose(first, 0.0, atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True])
+def test_forces_on_a_straight_side_are_those_of_the_consistent_integration(axisymmetric):
+    """At the Gauss points the pressure on half of the side, at the ends nothing."""
+    x = side_of(first := np.array([1.0, 3.0]), last := np.array([2.5, 3.4]))
+    force = PressedSides(1, True, axisymmetric).forces(x).sum(axis=0)
+    inward = np.array([first[1] - last[1], last[0] - first[0]])
+    expected = 0.5 * np.outer([0.0, 1.0, 1.0, 0.0], inward)
+    if axisymmetric:
+        expected *= 2e-3 * np.pi * x[:, :1]
+    np.testing.assert_allclose(force, expected, atol=1e-14 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("axisymmetric", [False, True])
+def test_tangents_of_sides_are_the_derivatives_of_their_forces(rng, axisymmetric):
+    """Quotients of fourth order are exact for quadratic polynomials."""
+    sides, size = PressedSides(3, False, axisymmetric), rng.uniform(0.5, 1.0, 4)
+    x, way = rng.uniform(1.0, 2.0, (10, 2)), rng.standard_normal((10, 2))
+    places, (fine, _) = CENTRAL
+    found = [np.tensordot(size, sides.forces(x + place * way), 1) for place in places]
+    pairs, tangents = sides.tangents(x, size)
+    turned = np.zeros_like(x)
+    np.add.at(turned, pairs[:, 0], np.einsum("mij,mj->mi", tangents, way[pairs[:, 1]]))
+    expected = np.tensordot(fine, np.array(found), 1)
+    np.testing.assert_allclose(turned, expected, atol=1e-11 * np.abs(expected).max())
 
 
 # ---- work ----
@@ -123,7 +163,7 @@ def work(force, states):
 
 def test_a_fluid_does_no_work_over_a_closed_cycle(rng):
     """On an edge whose ends do not move; in between the forces derive from the volume."""
-    x = np.column_stack([AXIS + 3.0 * np.cos(t := np.linspace(0.0, 2.0, 21)), 3.0 * np.sin(t)])
+    x = np.column_stack([AXIS + 3.0 * np.cos(t := np.linspace(0.0, 2.0, 31)), 3.0 * np.sin(t)])
     states = [x + 0.2 * rng.standard_normal(x.shape) for _ in range(4)]
     for one in states:
         one[[0, -1]] = x[[0, -1]]
@@ -134,7 +174,7 @@ def test_a_fluid_does_no_work_over_a_closed_cycle(rng):
 
 def test_ends_that_go_round_do_work(rng):
     """So the check above can fail: the pressure ends within the boundary."""
-    x = egg(AXIS)[:21]
+    x = egg(AXIS, 40)[:31]
     states = [x + 0.2 * rng.standard_normal(x.shape) for _ in range(4)]
     sides = PressedSides(10, True, True)
     total, size = work(lambda own: sides.forces(own).sum(axis=0), states)

@@ -20,7 +20,10 @@ def stress_of(result, d, points=None, **constants):
     path, seal = result.path, result.seal.with_parameters(constants)
     problem = PathProblem(path.discretization, seal.terms())
     points = np.arange(len(d)) if points is None else points
-    return particle_stress(replace(path, problem=problem), points, replace(path.steps[-1], d=d))
+    found = particle_stress(replace(path, problem=problem), points, replace(path.steps[-1], d=d))
+    # elastic: of the step itself alone
+    [(_, by_gradient)] = found.by_gradient
+    return found.value, by_gradient, found.by_constants
 
 
 def gradients_at(table, d):

@@ -69,7 +69,9 @@ def test_annotation_is_left_out_in_every_version(tmp_path, version):
     drawing.document.linetypes.add("CENTER", [2.0, 1.25, -0.25, 0.25, -0.25])
     path = annotated(drawing).saved()
     if version == "R12":  # without units
-        with pytest.raises(GeometryError, match="say units = one of mm"):
+        with pytest.raises(
+            GeometryError, match=r"say units \(--units of the command\) = one of mm"
+        ):
             read_drawing(path, parting=["split"])
     found = read_drawing(path, "mm", ["split"])
     check_bulb(found)

@@ -28,6 +28,13 @@ def drawn_somewhere(axes, points):
     return any(line.shape == points.shape and np.allclose(line, points) for line in lines(axes))
 
 
+@pytest.mark.parametrize("name", plotting.__all__)
+def test_a_figure_is_a_function_at_every_use(name):
+    """A module of the same name would take its place once it is imported."""
+    for _ in range(2):
+        assert callable(getattr(plotting, name))
+
+
 def test_no_window_system_is_touched(nominal, tmp_path):
     path = plotting.save(
         plotting.load_deflection(nominal), tmp_path / "new" / "reaction.png", dpi=50

@@ -11,12 +11,14 @@ from ring_files import cylinder, ring
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.cli.force_table import force_lines
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.plotting import ring_figure as view
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.several_seals import load_deflection_of
 from seal_mdao.report.html_tables import measures
-from seal_mdao.report.page import ShownSeal
+from seal_mdao.report.page import ShownSeal, key_figures
+from seal_mdao.report.picture_data import Pictures
 from seal_mdao.report.write import ring_section
 from seal_mdao.seals.profiles import contact_positions, contacts, true_pressure
 
@@ -222,11 +224,37 @@ def test_forces_of_figures_and_report_are_per_circumference_too(wide):
         assert right.get_ylim() == pytest.approx(expected, rel=1e-12)
     found = measures(wide)
     along = f"per mm of circumference at the mean radius {radius:.4g} mm"
-    for name in ("reaction", "vertical force on the profile"):
+    for name in ("reaction", "axial force on the profile"):
         assert found[name] == ("N", pytest.approx(force, rel=1e-12))
         unit, value = found[f"{name}, {along}"]
         assert unit == "N/mm"
         assert value == pytest.approx(force / (2.0 * np.pi * radius), rel=1e-12)
+
+
+def test_a_ring_squeezed_radially_is_reported_with_its_radial_force(squeezed):
+    """On the cards of the report, in its captions and charts, and on the console by its name."""
+
+    class Recorded:
+        name, scenarios = "ring", ()
+
+    class History:
+        kind, objective_name, objective = "optimisation", "reaction", np.array([1.0])
+        major, evaluations, max_violation = True, 1, np.array([0.0])
+
+    force = squeezed.path.reaction("cylinder")[-1]
+    assert abs(force[0]) > 100.0 * abs(force[1])
+    cards = {name: value for name, value, _ in
+             key_figures(History, [ShownSeal(Recorded, [squeezed, squeezed])])}  # fmt: skip
+    assert cards["radial force, cylinder"] == f"{force[0]:.3g} N".replace("-", "−")
+    assert not any("vertical" in name or "axial" in name for name in cards)
+    data = Pictures(squeezed, squeezed, []).as_data()
+    assert data["force"]["directions"] == ("radial", "axial")
+    for curve in data["paths"][0]["curves"]:
+        assert curve["component"] == 0
+        assert abs(curve["reaction"][-1][0]) > abs(curve["reaction"][-1][1])
+    assert "radial and axial force (N)" in force_lines(squeezed)[0]
+    lines = {own.get_label(): own for own in plotting.load_deflection(squeezed).axes[1].lines}
+    assert lines["radial"].get_ydata()[-1] == force[0]
 
 
 def test_report_has_the_view_of_rings_alone(wide, nominal):

@@ -17,3 +17,16 @@ def test_every_sample_is_in_a_bin(values):
     figure = distributions(values[:, None], ["reaction"], ["N/m"])
     heights = [patch.get_height() for patch in figure.axes[0].patches]
     assert sum(heights) == len(values)
+
+
+@pytest.mark.parametrize("value", [-7.3, 0.0, 92.9333])
+def test_a_constant_quantity_is_one_bar_in_the_middle(value):
+    axes = distributions(np.full((5, 1), value), ["area"], ["mm**2"]).axes[0]
+    (bar,) = (own for own in axes.patches if own.get_height())
+    assert bar.get_height() == 5
+    assert bar.get_x() + 0.5 * bar.get_width() == pytest.approx(value, abs=1e-12)
+    low, high = axes.get_xlim()
+    # numbers on the axis are those of the quantity, not differences of rounding
+    assert high - low == pytest.approx(0.2 * abs(value) or 1.0, rel=0.15)
+    axes.figure.canvas.draw()
+    assert axes.xaxis.get_offset_text().get_text() == ""

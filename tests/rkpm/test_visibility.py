@@ -9,6 +9,7 @@ from verification.solving import solve, tight
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.dead_load import DeadLoad
+from seal_mdao.rkpm import visibility
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.integration import integration_points
 from seal_mdao.rkpm.tables import build_table
@@ -226,3 +227,22 @@ def test_rates_are_exact_beside_a_slit(rng):
     # truncation: third derivatives of the kernel, some 1e2 over a support of 1, times step^2
     np.testing.assert_allclose((sides[0] - sides[1]) / (2 * step), exact, rtol=0.0, atol=1e-7)
     assert np.abs(exact).max() > 1.0
+
+
+def test_particles_far_from_the_boundary_are_not_examined(monkeypatch):
+    """Two thick bars beside each other: the pairs are those of an examination of every particle."""
+    grid = Grid(14, 14)
+    particles = np.vstack([grid.reference * 6.0, grid.reference * 6.0 + [6.3, 0.0]])
+    cells = np.vstack([grid.cells, grid.cells + grid.n_particles])
+    radius = np.full(len(particles), 0.9)
+    examined = []
+    joined = visibility._joined_within
+    monkeypatch.setattr(
+        visibility, "_joined_within", lambda *given: examined.append(1) or joined(*given)
+    )
+    found, few = hidden_pairs(cells, particles, radius), len(examined)
+    zeros = np.zeros(len(particles))
+    monkeypatch.setattr(visibility, "_boundary_distances", lambda *given: zeros)
+    assert np.array_equal(found, hidden_pairs(cells, particles, radius))
+    assert len(found) > 100
+    assert few < 0.8 * (len(examined) - few)

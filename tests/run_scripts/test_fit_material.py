@@ -136,6 +136,9 @@ def test_unstable_constants_where_they_are_wanted(fit_script):
     ("arguments", "expected"),
     [
         (("--law", "rubber"), "invalid choice: 'rubber'"),
+        ((), "--law is missing: the law to fit, one of "),
+        (("--law", "yeoh", "--tau", "1"), "--tau is for relaxation tests (column time_s); "),
+        (("--law", "yeoh", "--ramp", "1"), "--ramp is for relaxation tests (column time_s); "),
         (("--law", "yeoh", "--terms", "2"), "--terms is for ogden and hyperfoam"),
         (("--law", "hyperfoam"), "needs the column lateral_stretch"),
         (("--law", "yeoh", "--name", "a b"), "the name 'a b'"),

@@ -11,6 +11,7 @@ from coarse_seal import written
 
 import seal_mdao as sm
 from seal_mdao.cli import robust as robust_command
+from seal_mdao.cli.study import statistics_text
 from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 
 QUICK = ("--n-steps", 21, "--depth", 8.0, "--workers", 0)
@@ -207,3 +208,14 @@ def test_robust_run_goes_on(robust, run_script, capsys):
     code, again = run_script("robust", out, "--max-iterations", 2, *arguments[2:])
     assert "continuing" in capsys.readouterr().out
     assert again["compared"] == s["compared"]
+
+
+def test_a_measure_that_nothing_varies_is_printed_as_such():
+    spread = {"mean": 63.659, "std": 2.2e-14, "q05": 63.659, "q95": 63.659}
+    found = {"unit": "mm**2", "sampled": spread, "first_order": spread}
+    assert statistics_text(found) == "63.66 mm**2 in all samples"
+    found = {"unit": None, "sampled": spread | {"std": 0.5}, "first_order": spread}
+    assert statistics_text(found).startswith("mean 63.66, std 0.5, 5 to 95 % 63.66 to 63.66")
+    assert statistics_text({"unit": None, "sampled": spread, "first_order": spread}) == (
+        "63.66 in all samples"
+    )

@@ -1,5 +1,7 @@
 """Seal files of a rubber block of 8 x 4 mm whose edges are fixed, moved, or bonded to a plate."""
 
+from dataclasses import replace
+
 import seal_mdao as sm
 
 BLOCK = """
@@ -72,11 +74,36 @@ def text(*tables, spacing=1.0, bulk=4e3):
 
 def file_of(folder, *tables, **options):
     """The file that was read."""
-    path = folder / "block.toml"
-    path.write_text(text(*tables, **options))
-    return sm.read_seal_file(path)
+    return read(folder, text(*tables, **options))
 
 
 def seal_of(folder, *tables, **options):
     """The seal of such a file."""
     return sm.build_seal(file_of(folder, *tables, **options))
+
+
+def with_model(given: str, lines: str) -> str:
+    """The file with lines of its table ``[model]``."""
+    if "[model]\n" in given:
+        return given.replace("[model]\n", f"[model]\n{lines}\n")
+    return f"[model]\n{lines}\n{given}"
+
+
+def foam(given: str) -> str:
+    """The file with a foam in place of its only rubber."""
+    before, after = given.split('law = "mooney_rivlin"', 1)
+    after = after.split("bulk_modulus", 1)[1].split("\n", 1)[1]
+    after = after.replace('type = "leak_rate"\n', 'type = "leak_rate"\nmodulus = 400.0\n')
+    return f'{before}law = "hyperfoam"\nmu = [120.0]\nalpha = [3.0]\nnu = [0.2]\n{after}'
+
+
+def read(folder, content: str):
+    """The file of a text."""
+    path = folder / "seal.toml"
+    path.write_text(content)
+    return sm.read_seal_file(path)
+
+
+def exact_seal(folder, content: str):
+    """The seal of a text, whose equilibrium is found to rounding."""
+    return replace(sm.build_seal(read(folder, content)), newton=sm.NewtonOptions(tolerance=1e-12))

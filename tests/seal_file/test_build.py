@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.build import build_seal, unchosen_seal
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = BULB
@@ -40,6 +40,15 @@ def test_a_path_makes_the_same_seal_as_the_file_that_is_read(tmp_path):
         assert np.array_equal(build_seal(path).nominal_particles, seal.nominal_particles)
     with pytest.raises(sm.SealFileError, match="there is no such file"):
         build_seal(tmp_path / "none.toml")
+
+
+@pytest.mark.parametrize("points", [None, 2, 3])
+def test_quadrature_is_that_of_the_cells(tmp_path, points):
+    given = "" if points is None else f"\nquadrature = {points}"
+    file = read(tmp_path, COARSE.replace("spacing = 1.6", f"spacing = 1.6{given}"))
+    seal = unchosen_seal(file)
+    assert seal.body.n_gauss == seal.kernels.n_gauss == (points or 2)
+    assert seal.body.cell_map.n_points == (points or 2) ** 2
 
 
 def test_everything_that_the_file_says_is_in_the_seal(pressed):

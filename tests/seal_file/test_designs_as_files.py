@@ -1,12 +1,15 @@
 """A design written as a seal file with drawing and cloud, and read again, is the design."""
 
+import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
+from block_files import FIXED, LID, text
 
 import seal_mdao as sm
-from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.file.export import on_lines, write_design
 from seal_mdao.seals.outline.cloud_file import FIRST, write_cloud
 from seal_mdao.seals.result import frozen_measures
 
@@ -96,6 +99,21 @@ def seal_file(folder, *changes, measures=PLACED):
     path = folder / "seal.toml"
     path.write_text(text, encoding="utf-8")
     return sm.read_seal_file(path)
+
+
+def test_short_lists_of_a_design_are_on_one_line():
+    """Those of numbers and names, and of such lists; what is written stays the same."""
+    given = {
+        "table": [[-30, 1.9], [0, 1.2]],
+        "edges": ["two  blanks", 'a "quote"'],
+        "steps": [i / 7 for i in range(12)],
+        "measure": [{"type": "gap", "contact": ["lip"]}, {"type": "area"}],
+    }
+    shown = on_lines(import_module("tomli_w").dumps(given))
+    assert tomllib.loads(shown) == given
+    assert "table = [[-30, 1.9], [0, 1.2]]\n" in shown
+    assert 'contact = ["lip"]' in shown
+    assert "    0.14285714285714285,\n" in shown
 
 
 def offsets_of(seal):
@@ -269,8 +287,8 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
         ('"best.vtu"', '"best.dxf"', "not a mesh that can be read"),
         ('cloud = "best.vtu"', 'cloud = "best.vtu"\nspacing = 1.0', "it has spacing and cloud"),
         ('cloud = "best.vtu"', "spacing = 1.6", "places are numbers of particles"),
-        ("places = [\n", "places = [\n    700,\n", "places has 700, but there are only"),
-        ("places = [\n", "places = [\n    -1,\n", "a list of numbers of particles, from 0 on"),
+        ("places = [", "places = [700, ", "places has 700, but there are only"),
+        ("places = [", "places = [-1, ", "a list of numbers of particles, from 0 on"),
     ],
 )
 def test_wrong_files_take_one_line(old, new, word, bulb):
@@ -291,3 +309,47 @@ def test_clouds_keep_where_kernels_were_chosen(bulb):
     _, seal, _, _, path = bulb
     mesh = meshio.read(path.with_suffix(".vtu"))
     assert np.array_equal(mesh.point_data[FIRST][:, :2], seal.nominal_particles)
+
+
+@pytest.mark.parametrize("steps", ["", ", steps = 4", ", steps = [0.2, 0.5, 1.0]"])
+def test_a_design_that_has_grown_into_a_profile_begins_farther_back_in_its_file(tmp_path, steps):
+    """The first stage becomes longer, and every load step ends where it did."""
+    lid = LID.replace(", steps = 3", steps).replace("friction = 0.3", "friction = 0.0")
+    path = tmp_path / "block.toml"
+    top = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
+    path.write_text(text(FIXED, lid, top), encoding="utf-8")
+    file = sm.read_seal_file(path)
+    seal = sm.build_seal(file)
+    grown = np.full(seal.n_offsets, 0.1)
+    found = sm.analyze(seal, grown)
+    measures = frozen_measures(seal)
+    written = write_design(file, seal, grown, measures, tmp_path, "grown")[0]
+    again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
+    assert again.reaction == pytest.approx(found.reaction, rel=1e-9, abs=1e-6)
+    (profile,) = sm.read_seal_file(written).profiles
+    assert profile.start[1] > 4.1
+    assert profile.start[1] + profile.stages[0].translate[1] == pytest.approx(3.52)
+    # one that is clear is written as it is
+    still = write_design(file, seal, 0.0 * grown, measures, tmp_path, "still")[0]
+    assert sm.read_seal_file(still).profiles[0].start == (0.0, 4.02)
+
+
+@pytest.mark.parametrize("relaxes", [False, True])
+def test_a_grown_design_keeps_its_start_where_the_path_has_a_temperature_or_a_time(
+    tmp_path, relaxes
+):
+    """A longer first stage would be another temperature and another time at every load step."""
+    path, lid = tmp_path / "block.toml", LID.replace("friction = 0.3", "friction = 0.0")
+    model, rubber = "[model]\ntemperature = 60.0\n", "expansion = 2e-4\n"
+    if relaxes:
+        lid = lid.replace("steps = 3", "steps = 3, duration = 2.0")
+        model, rubber = "", "viscoelastic = { g = [0.3], tau = [1.0] }\n"
+    top = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
+    given = model + text(FIXED, lid, top).replace("[section]", f"{rubber}[section]")
+    path.write_text(given, encoding="utf-8")
+    file = sm.read_seal_file(path)
+    seal = sm.build_seal(file)
+    grown = np.full(seal.n_offsets, 0.1)
+    written = write_design(file, seal, grown, frozen_measures(seal), tmp_path, "grown")[0]
+    (profile,) = tomllib.loads(written.read_text(encoding="utf-8"))["profile"]
+    assert profile["start"] == [0.0, 4.02]

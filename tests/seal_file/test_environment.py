@@ -1,16 +1,15 @@
 """Temperature, swelling and axial stretch of seal files: derivatives, equal steps, refusals."""
 
-from dataclasses import replace
+import re
 
 import numpy as np
 import pytest
-from block_files import DESIGN, FIXED, LID, text
+from block_files import DESIGN, FIXED, LID, exact_seal, foam, read, text, with_model
 from quotients import quotients
 from ring_files import ring
 
 import seal_mdao as sm
 from seal_mdao.geometry.polygon import polygon_area
-from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.samples import Samples
 
 HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
@@ -32,9 +31,7 @@ NAMES = ("axial_stretch", "temperature", "expansion", "swelling", "c10", "bulk_m
 def heated(given: str, model: str) -> str:
     """A seal file with keys of its only rubber and of its model."""
     given = given.replace("[material.rubber]\n", f"[material.rubber]\n{HEATED_KEYS}\n")
-    if "[model]\n" in given:
-        return given.replace("[model]\n", f"[model]\n{model}\n")
-    return f"[model]\n{model}\n" + given
+    return with_model(given, model)
 
 
 HEATED_KEYS = f"modulus_over_temperature = {HEATED}"
@@ -85,25 +82,9 @@ type = "strain_energy"
 """
 
 
-def read(folder, content):
-    path = folder / "seal.toml"
-    path.write_text(content)
-    return read_seal_file(path)
-
-
-def foam(given: str) -> str:
-    """The file with a foam in place of its rubber."""
-    before, rest = given.split('law = "mooney_rivlin"', 1)
-    after = rest.split("bulk_modulus", 1)[1].split("\n", 1)[1]
-    after = after.replace('type = "leak_rate"\n', 'type = "leak_rate"\nmodulus = 400.0\n')
-    return f'{before}law = "hyperfoam"\nmu = [120.0]\nalpha = [3.0]\nnu = [0.2]\n{after}'
-
-
 @pytest.fixture(scope="module", params=[LONG, AROUND, foam(LONG)], ids=["long", "ring", "foam"])
 def seal(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("heated")
-    built = sm.build_seal(read(folder, request.param))
-    return replace(built, newton=sm.NewtonOptions(tolerance=1e-12))
+    return exact_seal(tmp_path_factory.mktemp("heated"), request.param)
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +127,7 @@ def test_derivatives_are_those_of_the_path(seal, result, name, step):
 
 def test_trapped_air_is_heated_and_stretched(tmp_path):
     """(p_a + p) (h A)^gamma / T is constant on the path; its derivatives are those of the path."""
-    seal = replace(sm.build_seal(read(tmp_path, AIR)), newton=sm.NewtonOptions(tolerance=1e-12))
+    seal = exact_seal(tmp_path, AIR)
     result = sm.analyze(seal, keep_factors=True)
     result.require_converged()
     environment, steps = seal.terms()[0].environment, (1, 2)
@@ -292,5 +273,58 @@ def test_a_ring_has_no_axial_stretch(tmp_path):
 
 def test_a_temperature_that_changes_nothing_is_refused(tmp_path):
     given = LONG.replace(f"{HEATED_KEYS}\n", "")
-    with pytest.raises(sm.SealFileError, match="no material has an expansion or a modulus_over"):
+    with pytest.raises(sm.SealFileError, match="no material has an expansion, a modulus_over"):
         read(tmp_path, given)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("modulus_over_temperature", '"entropic"'), ("expansion", "0.0005")]
+)
+def test_keys_that_need_a_temperature_are_refused_without_one(tmp_path, key, value):
+    keys = f"{key} = {value}\nswelling = 1.1"
+    given = LONG.replace("temperature = 90.0\n", "").replace(HEATED_KEYS, keys)
+    said = f"{key} = {value}".replace('"', "'")
+    words = re.escape(f"[material.rubber]: {said}, but [model] has no temperature")
+    with pytest.raises(sm.SealFileError, match=f"{words}.*; write temperature = 60"):
+        read(tmp_path, given)
+
+
+def test_without_a_temperature_the_expansion_is_no_parameter(tmp_path):
+    """Nor has it derivatives; the swelling has."""
+    given = LONG.replace("temperature = 90.0\n", "").replace(HEATED_KEYS, "swelling = 1.1")
+    cold, hot = (sm.build_seal(read(tmp_path, own)) for own in (given, LONG))
+    assert "expansion" in hot.scalars
+    assert "expansion" not in cold.scalars
+    assert "swelling" in cold.scalars
+    found = sm.analyze(cold)
+    gradients = sm.differentiate(found, ("swelling",), method="direct")
+    assert np.abs(gradients["strain_energy"][..., -1]).max() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("c10 = 80.0\nc01 = 20.0", "c10 = 0.4\nc01 = 0.1", "shear modulus of 1 kPa, smaller than"),
+        (
+            "c10 = 80.0\nc01 = 20.0\nbulk_modulus = 4000.0",
+            "c10 = 1e4\nc01 = 2e3\nbulk_modulus = 1e6",
+            "shear modulus of 2.4e+04 kPa, larger",
+        ),
+        ("bulk_modulus = 4000.0", "bulk_modulus = 2e9", "bulk modulus of 2e+09 kPa, larger than"),
+        ("expansion = 5e-4", "expansion = 1e-3", "expansion of 0.001 1/K, outside of"),
+        ("swelling = 1.06", "swelling = 0.15", "swelling of 0.15, outside of 0.8 to 3; it is"),
+        ("temperature = 90.0", "temperature = 363.15", "temperature of 363.1 degrees Celsius is"),
+    ],
+)
+def test_values_that_no_rubber_has_are_warned_about(tmp_path, old, new, words):
+    assert old in LONG
+    seal = sm.build_seal(read(tmp_path, LONG.replace(old, new)))
+    (text,) = seal.warnings
+    assert words in text
+
+
+def test_values_of_rubber_are_not_warned_about(tmp_path):
+    seal = sm.build_seal(read(tmp_path, LONG))
+    assert not seal.warnings
+    # parameters that are changed later are looked at, too
+    assert "shear modulus of 0.8 kPa" in seal.with_parameters({"c10": 0.3, "c01": 0.1}).warnings[0]

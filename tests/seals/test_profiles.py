@@ -12,7 +12,6 @@ from seal_mdao.seals.profiles import (
     contacts,
     leading_motion,
     load_segments,
-    moves,
     profile_histories,
     stage_of,
     true_pressure,
@@ -84,10 +83,10 @@ def test_history_of_the_door(nominal):
 
 def test_profile_that_stands_still_follows_the_one_that_moves(nominal):
     still = staged_motion([Stage(105)])
-    assert not moves(still)
+    assert not still.moves
     (door,) = contacts(nominal.seal)
     assert leading_motion(nominal.seal) is not still
-    assert moves(door.motion)
+    assert door.motion.moves
 
 
 def test_the_bound_of_the_released_energy_tends_to_zero_with_profiles_that_turn():

@@ -153,3 +153,34 @@ def test_mode_of_a_factor_without_numbers_is_none(symmetric):
     value, mode = nearest_mode(factor, 30, symmetric)
     assert np.isnan(value)
     assert np.isnan(mode).all()
+
+
+TOP = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
+
+
+def test_a_design_that_grows_into_a_profile_begins_farther_back(tmp_path):
+    """An edge that nearly touches at the start moves by 0.1 mm; a nominal seal inside is refused."""
+    smooth = LID.replace("friction = 0.3", "friction = 0.0")
+    seal = seal_of(tmp_path, FIXED, smooth, TOP)
+    grown = np.full(seal.n_offsets, 0.1)
+    result = sm.analyze(seal, grown, keep_factors=True)
+    assert result.converged
+    clearance = result.seal.definitions[1].motion.clearance
+    assert clearance[1] >= 0.08
+    assert seal.definitions[1].motion.clearance == pytest.approx((0.0, 0.0))
+    # the same force as with a lid that begins farther away and ends at the same place
+    higher = smooth.replace("4.02]", "4.22]").replace("-0.5], steps = 3", "-0.7], steps = 4")
+    other = sm.analyze(seal_of(tmp_path, FIXED, higher, TOP), grown)
+    assert result.reaction[-1] == pytest.approx(other.reaction[-1], rel=1e-6, abs=1e-6)
+    # the derivatives are those of this path
+    gradient = sm.differentiate(result, (), method="adjoint")["reaction"].ravel()
+    step = 1e-4
+    for place in range(seal.n_offsets):
+        ends = [
+            sm.analyze(seal, grown + sign * step * np.eye(seal.n_offsets)[place]).reaction[-1, 1]
+            for sign in (1.0, -1.0)
+        ]
+        assert gradient[place] == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5)
+    inside = seal.with_placements()
+    with pytest.raises(sm.GeometryError, match="placement lid_x or lid_y"):
+        sm.analyze(inside, parameters={"lid_y": -0.05})

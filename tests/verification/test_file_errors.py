@@ -56,24 +56,22 @@ def test_contact_at_edges_is_halfway_between_particles():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("name", "less"), [("sealed_bulb", 0.0), ("weatherstrip", 0.002)])
-def test_both_bases_converge_and_the_quadratic_one_is_hardly_better(name, less):
-    """By at most ``less`` of the largest force."""
-    file, seal = example(name)
+def test_both_bases_converge_and_the_quadratic_one_is_no_better():
+    file, seal = example("sealed_bulb")
     exact = fine_forces(file)
     linear, quadratic = (
         force_error(forces(with_kernels(seal, kernels)), exact) for kernels in (LINEAR, QUADRATIC)
     )
     fine = force_error(forces(with_kernels(refined(file), LINEAR)), exact)
     assert fine < 0.5 * linear
-    assert linear - less < quadratic < 0.015
+    assert linear < quadratic < 0.015
 
 
 @pytest.mark.long
 def test_contact_at_edges_misses_the_tip_of_a_lip():
-    file, seal = example("lip")
+    file, seal = example("slipping_lip")
     exact = fine_forces(file)
-    assert force_error(forces(build_seal(at_edges(file))), exact) > 2.0 * force_error(
+    assert force_error(forces(build_seal(at_edges(file))), exact) > 1.5 * force_error(
         forces(seal), exact
     )
 

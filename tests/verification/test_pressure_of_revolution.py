@@ -55,12 +55,10 @@ def test_bore_converges_with_the_particles(wall, basis_order, cells, order, fine
     assert errors[-1] <= finest
 
 
-@pytest.mark.parametrize("bore", [0.0, 1.0])
-def test_a_body_with_pressure_all_round_shrinks_uniformly(bore):
-    """Up to its corners: F and h converge with first order, displacements and volume with second."""
-    found = np.array([immersed(cells, bore) for cells in (8, 16, 32)])
-    strain, displacement, volume = (orders(column) for column in found.T)
-    assert strain.min() >= 0.95, found
-    assert displacement.min() >= 1.9
-    assert volume.min() >= 1.9
-    assert (found[-1] <= [5e-3, 2e-4, 1e-5]).all()
+@pytest.mark.parametrize("bore", [None, 0.0, 1.0])
+@pytest.mark.parametrize("uneven", [0.0, 0.2])
+def test_a_body_with_pressure_all_round_shrinks_uniformly(bore, uneven):
+    """F, h, displacements and volume to rounding, on any particles: the load acts where the consistent
+    integration has the boundary."""
+    found = np.array([immersed(cells, bore, uneven) for cells in (4, 8)])
+    assert (found <= 1e-10).all(), found

@@ -8,8 +8,13 @@ from verification.accuracy_study import FUNCTION, cases, compute, key, stored
 
 SHOWN = 5e-5
 """Half a unit of the last digit of an error on the page, which is one of percent with two decimals."""
-SAMPLE = [(name, own[i]) for name, own in cases().items() for i in sorted({0, len(own) // 2})]
-"""The first case of every quantity and one in the middle."""
+SAMPLE = [
+    (name, own[i])
+    for name, own in cases().items()
+    for i in sorted({0, len(own) // 2})
+    if own[i] != {"name": "lip"}
+]
+"""The first case of every quantity and one in the middle, but for the fine lip, which takes minutes."""
 
 
 def test_every_case_is_stored_and_no_other():

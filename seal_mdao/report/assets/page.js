@@ -66,7 +66,8 @@ function closing() {
     paths.forEach((path, i) => {
       const k = Math.min(index, path.frames.length - 1), held = k < index ? " (path ends here)" : "", own = path.curves[profile];
       const touching = own && own.arc.length ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact` : "";
-      const up = own ? `, ${force(own.reaction[k][1])}` : "";
+      const main = own ? start.curves[profile].component : 0;
+      const up = own ? `, ${shapes.force.directions[main]} force ${force(own.reaction[k][main])}` : "";
       const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${up}${held}`;
       views[i].draw(frames[i][k], null, `Deformed section of the ${names[i]} design with von Mises stress at ${minus(path.captions[k])}: ${text}`);
       place(`${names[i]}-text`).textContent = text;
@@ -99,7 +100,9 @@ function profileCurves(both, longest) {
   ["pressure", "gap"].forEach((id) => { place(id).parentElement.hidden = !touches; });
   const contact = touches ? contactCurves(both, names, colors, dashes) : null;
   const forces = [];
-  for (const [component, word, dash] of [[1, "vertical", ""], [0, "horizontal", "2 3"]]) {
+  const main = both[0].component;
+  for (const [component, dash] of [[main, ""], [1 - main, "2 3"]]) {
+    const word = shapes.force.directions[component];
     both.forEach((own, i) => forces.push({ name: `${word}, ${names[i]}`, x: i === longest ? undefined : own.along, values: own.reaction.map((r) => r[component]), color: colors[i], dash: dash || dashes[i] }));
   }
   const { name, words, along: values } = both[longest];

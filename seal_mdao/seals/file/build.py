@@ -17,7 +17,7 @@ from seal_mdao.seals.outline.moved import shifted_outline
 from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.sampling import doubled
-from seal_mdao.seals.outline.section_cloud import LAYERS, OutlineCloud, graded
+from seal_mdao.seals.outline.section_cloud import LAYERS, Kernels, OutlineCloud, graded
 from seal_mdao.seals.steps_and_penalties import choose
 
 
@@ -114,7 +114,7 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
             contributions=[*file.contributions, *file.motions],
             designs=[own.made() for own in file.designs], axisymmetric=file.axisymmetric,
-            environment=file.environment,
+            environment=file.environment, kernels=_kernels(section),
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
@@ -144,6 +144,13 @@ def _measures(file: SealFile, seal: OutlineSeal):
         except ValueError as error:
             where = f"{file.path}: [[measure]] {number} ({entry.name!r})"
             raise SealFileError(f"{where}: {error}") from error
+
+
+def _kernels(section) -> Kernels | None:
+    """Choose the kernels of a section filled by a spacing; rays and clouds have their own (None)."""
+    if isinstance(section.spacing, Rays | OutlineCloud):
+        return None
+    return Kernels(n_gauss=section.quadrature)
 
 
 def section_boundaries(section) -> tuple:

@@ -20,6 +20,7 @@ from seal_mdao.seals.file.prescribed_edges import (
     holder,
 )
 from seal_mdao.seals.file.section_table import check_section
+from seal_mdao.seals.file.viscoelastic_table import relaxes
 from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
@@ -150,11 +151,27 @@ def _check_cavities(file) -> None:
 
 
 def _check_closing(where: str, cavity, file) -> None:
-    """Refuse a closing speed where it gives a stage no time."""
-    where = f"{where}: closing_speed = {cavity.closing_speed:g}"
+    """Refuse a closing speed that is missing, that gives a stage no time, or that does nothing."""
     moving = next((profile for profile in file.profiles if profile.travel > 0.0), None)
-    if moving is None:
-        raise SealFileError(f"{where}, but no profile travels; give one a stage with translate")
+    # ``check_relaxation`` looks at the times of relaxing materials: every stage has a duration
+    timed = relaxes(file)
+    if moving is None and not timed:
+        raise SealFileError(
+            f"{where} has vents, but no profile travels; give one a stage with translate"
+        )
+    open_stages = [] if timed else [n for n, s in enumerate(moving.stages, 1) if s.duration is None]
+    if cavity.closing_speed is None:
+        if open_stages:
+            raise SealFileError(
+                f"{where} has vents without a closing_speed, and stage {open_stages[0]} of the profile "
+                f"{moving.name!r} has no duration; give either"
+            )
+        return
+    where = f"{where}: closing_speed = {cavity.closing_speed:g}"
+    if not open_stages:
+        raise SealFileError(
+            f"{where} changes nothing, since every stage has a duration; leave it out"
+        )
     # time = travel / speed, or as given
     for number, own in enumerate(moving.stages, 1):
         if own.duration is None and not any(own.translate):
@@ -168,6 +185,9 @@ def _check_durations(file) -> None:
     """Refuse durations of stages that determine the time of no cavity."""
     moving = next((profile for profile in file.profiles if profile.travel > 0.0), None)
     vented = any(cavity.vented for cavity in file.cavities)
+    # ``check_relaxation`` looks at those of relaxing materials
+    if relaxes(file):
+        return
     for kind, tables in (("profile", file.profiles), ("moved", file.moved)):
         for i, own in enumerate(tables, 1):
             given = [k for k, stage in enumerate(own.stages, 1) if stage.duration is not None]
@@ -178,7 +198,8 @@ def _check_durations(file) -> None:
             )
             raise SealFileError(
                 f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {given[0]} has a duration, which only "
-                "the first moving profile of a seal with a vented [[cavity]] needs; " + instead
+                "the first moving profile of a seal with a vented [[cavity]] or materials that relax "
+                "needs; " + instead
             )
 
 

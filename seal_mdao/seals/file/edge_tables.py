@@ -33,7 +33,7 @@ NEIGHBOURS = 3.0
 MOST_PRESSURE = 1e9
 """kPa."""
 VENTS = ("vent_diameter", "vent_spacing", "closing_speed", "discharge_coefficient")
-"""Keys of the vents of a cavity; the first three belong together."""
+"""Keys of the vents of a cavity; the first two belong together."""
 # neighbouring edges, or one of them by its name alone
 Stretch = Annotated[
     Text | Names,
@@ -81,7 +81,8 @@ class CavityTable(Table):
         None,
     )
     closing_speed: number("mm/s", above=0.0) | None = key(
-        "with vents: speed of the first moving profile along its path, in stages without duration",
+        "with vents: speed of the first moving profile along its path, in stages without duration; "
+        "omit it where every stage has one",
         None,
     )
     discharge_coefficient: number(above=0.0, most=1.0) | None = key(
@@ -92,12 +93,12 @@ class CavityTable(Table):
 
     @model_validator(mode="after")
     def _complete_vents(self):
-        # diameter, spacing and speed belong together; a coefficient needs vents
+        # diameter and spacing belong together; a speed and a coefficient need vents
         own = {name: getattr(self, name) for name in VENTS}
-        missing = [name for name in VENTS[:3] if own[name] is None]
+        missing = [name for name in VENTS[:2] if own[name] is None]
         given = [name for name in VENTS if own[name] is not None]
         if given and missing:
-            raise ValueError(f"{given[0]} without {missing[0]}; vents need {', '.join(VENTS[:3])}")
+            raise ValueError(f"{given[0]} without {missing[0]}; vents need {', '.join(VENTS[:2])}")
         if given and self.vent_spacing < self.vent_diameter:
             raise ValueError(
                 f"vent_spacing = {self.vent_spacing:g} is less than vent_diameter = "
@@ -111,23 +112,21 @@ class CavityTable(Table):
         return self.vent_diameter is not None
 
     def on(self, section: SectionBody, environment: Environment | None = None) -> TrappedAir:
-        """Bind the air to the particles around its hole; its time to the first profile that travels."""
+        """Bind the air to the particles around its hole; its time to that of the environment, or to the
+        first profile that travels."""
         sealed = TrappedAir(
             self.name, section.loops[self.hole], self.pressure, self.gamma, environment
         )
         if not self.vented:
             return sealed
-        motions = (contact.motion for contact in section.contacts)
-        travel, time = next(motion.timing for motion in motions if motion.travel > 0.0)
         given = {name: getattr(self, name) for name in VENTS if getattr(self, name) is not None}
+        if environment is None or environment.time is None:
+            motions = (contact.motion for contact in section.contacts)
+            given["travel"], given["time"] = next(
+                motion.timing for motion in motions if motion.travel > 0.0
+            )
         return VentedAir(
-            sealed.label,
-            sealed.ring,
-            sealed.pressure,
-            sealed.gamma,
-            travel=travel,
-            time=time,
-            **given,
+            sealed.label, sealed.ring, sealed.pressure, sealed.gamma, environment, **given
         )
 
 

@@ -4,9 +4,12 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_known
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.seals.conditions import HOTTEST
-from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED
-from seal_mdao.structure.environment import ABSOLUTE_ZERO, Environment, Growth
+from seal_mdao.seals.file.model_table import ENTROPIC, GENERALISED, at_stage_ends
+from seal_mdao.seals.file.softening_table import check_softening
+from seal_mdao.seals.file.viscoelastic_table import check_relaxation, times_of
+from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.terms.ramp import Ramp, ramp_of_stages
 from seal_mdao.values import formatted
 
@@ -15,13 +18,14 @@ def environment_of(file) -> Environment | None:
     """Make the environment of the body of a ``SealFile``, or None where nothing changes."""
     model = file.model
     swollen = any(own.swelling is not None for own in file.material_tables.values())
-    if model.axial_stretch is None and model.temperature is None and not swollen:
+    times = times_of(file)
+    if model.axial_stretch is None and model.temperature is None and not swollen and not times:
         return None
     ramps = (
         _ramp(file, "[model]: axial_stretch", 1.0, model.axial_stretch),
         _ramp(file, "[model]: temperature", model.reference_temperature, model.temperature),
     )
-    return Environment(*ramps)
+    return Environment(*ramps, times)
 
 
 def growth_of(file, name: str) -> Growth:
@@ -44,27 +48,23 @@ def _ramp(file, where: str, start: float, given) -> Ramp | None:
     """Make the ramp of a number, or of one at the end of every stage."""
     if given is None:
         return None
-    # the stages of what moves first are those of the path
-    moving = next(own for own in file.moving if own.stages)
-    values = given if isinstance(given, tuple) else (given,) * len(moving.stages)
-    if len(values) != len(moving.stages):
-        raise SealFileError(
-            f"{where} has {len(values)} numbers, but {moving.name!r} has {len(moving.stages)} "
-            f"{'stage' if len(moving.stages) == 1 else 'stages'}; "
-            "give one for the end of every stage, or one number for all of them"
-        )
-    return ramp_of_stages(start, values, [stage.steps for stage in moving.stages])
+    values = at_stage_ends(file, where, given)
+    return ramp_of_stages(start, values, [stage.steps for stage in file.stages])
 
 
 def check_environment(file) -> None:
     """Refuse what contradicts the environment of a ``SealFile``, or does not know it."""
     _check_axial_stretch(file)
     _check_temperature(file)
+    check_relaxation(file)
+    check_softening(file)
     # made once here, so that what is wrong is said before anything is analysed
     environment = environment_of(file)
     for name in file.materials:
         _check_factors(file, name)
-    if environment is None:
+    if environment is None or not any(
+        environment.acts_on(growth_of(file, name)) for name in file.materials
+    ):
         return
     for name, material in file.materials.items():
         if not is_known(material):
@@ -72,12 +72,6 @@ def check_environment(file) -> None:
                 f"[material.{name}]: this compressible law is known in plane strain alone, without a "
                 "temperature, swelling or axial_stretch; it needs the methods volumetric and "
                 "volumetric_constants"
-            )
-    for number, cavity in enumerate(file.cavities, 1):
-        if cavity.vented:
-            raise SealFileError(
-                f"[[cavity]] {number}: the flow through vents takes no part in a temperature, swelling "
-                "or axial_stretch; leave out the vents, or the cavity where they are wide enough"
             )
     for number, measure in enumerate(file.measures, 1):
         if measure.type == "friction_work":
@@ -104,12 +98,27 @@ def _check_axial_stretch(file) -> None:
 
 def _check_temperature(file) -> None:
     if file.model.temperature is None:
+        for name, own in file.material_tables.items():
+            _refuse_without_temperature(name, own)
         return
     if not any(own.changes_with_temperature for own in file.material_tables.values()):
         raise SealFileError(
             f"[model]: temperature = {formatted(file.model.temperature)}, but no material has an "
-            "expansion or a modulus_over_temperature; rubber has an expansion of about 2e-4 (1/K)"
+            "expansion, a modulus_over_temperature or a shift of its relaxation; rubber has an "
+            "expansion of about 2e-4 (1/K)"
         )
+
+
+def _refuse_without_temperature(name: str, own) -> None:
+    """Refuse keys of a material that a seal without a temperature does not have."""
+    given = {"expansion": own.expansion, "modulus_over_temperature": own.modulus_over_temperature}
+    for key, value in given.items():
+        if value:
+            raise SealFileError(
+                f"[material.{name}]: {key} = {formatted(value)}, but [model] has no temperature, so it "
+                "changes nothing; write temperature = 60 (degrees Celsius, at the end of every stage) "
+                f"in [model], or leave out {key}"
+            )
 
 
 def _check_factors(file, name: str) -> None:

@@ -1,6 +1,7 @@
 """Write a design as a seal file of its own: drawing, cloud, and the tables of its nominal file."""
 
 import os
+import re
 import tomllib
 from importlib import import_module
 from pathlib import Path
@@ -10,6 +11,7 @@ import shapely
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
+from seal_mdao.seals.file.clear_designs import write_clear_start
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
 from seal_mdao.seals.outline.cloud_file import write_cloud
@@ -21,9 +23,13 @@ HEAD = """# A design of {name} with the particles that it was computed with; for
 """
 DRAWN = (
     "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "layers",
-    "edge_spacing", "rays", "cloud",
+    "edge_spacing", "quadrature", "rays", "cloud",
 )  # fmt: skip
 """Keys of a section that the drawing and the cloud replace."""
+SHORT_LIST = re.compile(r'\[\n((?: *(?:[\w.+-]+|"[^"\n\\]*"|\[[^\[\]\n]*\]),\n)+) *\]')
+"""A list with an item on every line: numbers, names or lists that are on one line."""
+LINE = 100
+"""Most characters of a list on one line."""
 
 ON_CUT = 1e-6
 """Largest distance of a particle from a line between two materials on which it lies, mm."""
@@ -106,14 +112,27 @@ def write_design(
     _move_designs(given.get("design", []), seal, offsets)
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
+    write_clear_start(given, file, seal, offsets)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     # edges of the nominal section; a cloud has no scheme, from which contact points would follow
     for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
         own["contact"] = list(profile.contact)
         own["contact_points"] = profile.contact_points
-    text = HEAD.format(name=file.path.name) + writer.dumps(given)
+    text = HEAD.format(name=file.path.name) + on_lines(writer.dumps(given))
     paths[0].write_text(text, encoding="utf-8")
     return paths
+
+
+def on_lines(text: str) -> str:
+    """Write lists of TOML that have their items on lines of their own on one line where they fit."""
+
+    def joined(found):
+        items = " ".join(map(str.strip, found[1].splitlines()))
+        line = f"[{items.rstrip(',')}]"
+        return line if len(line) <= LINE else found[0]
+
+    # lists of lists after the lists in them
+    return SHORT_LIST.sub(joined, SHORT_LIST.sub(joined, text))
 
 
 def _from(folder, path) -> str:

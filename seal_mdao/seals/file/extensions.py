@@ -24,7 +24,7 @@ from seal_mdao.seals.file.forms import (
 from seal_mdao.seals.file.schema import CHOICE, Table, key, suggestion, table_of
 
 CLOSE, MOST_LISTED = 4, 20
-"""Names that a message gives where one is close to what was written, in place of more than so many."""
+"""Names that a message gives, the nearest to what was written, in place of more than so many."""
 WHOLE = whole(-(10**9), 10**9)
 FORMS = {
     float: number(), int: WHOLE, str: Text, bool: Annotated[bool, Strict(), Form("true or false")],
@@ -87,10 +87,10 @@ class Extensible(Form):
 
     def _names(self, name) -> str:
         every = [*self.shipped, *registry.names(self.kind)]
-        close = get_close_matches(str(name), every, CLOSE)
-        if len(every) > MOST_LISTED and close:
-            # the nearest ones of many
-            return f"one of {', '.join(close)}, or one of {len(every) - len(close)} others"
+        if len(every) > MOST_LISTED:
+            # the nearest ones of many, or the first ones
+            some = get_close_matches(str(name), every, CLOSE) or every[:CLOSE]
+            return f"one of {', '.join(some)}, or one of {len(every) - len(some)} others"
         none = "the name of an installed or registered extension; there is none"
         return f"one of {', '.join(every)}{suggestion(name, every)}" if every else none
 

@@ -30,7 +30,9 @@ from seal_mdao.seals.file.optimize_table import OptimizeTable
 from seal_mdao.seals.file.profile_table import ProfileTable
 from seal_mdao.seals.file.schema import key, rows
 from seal_mdao.seals.file.section_table import SectionTable, WrittenSection
+from seal_mdao.seals.file.softening_table import softening_of
 from seal_mdao.seals.file.tolerance_table import ToleranceTable
+from seal_mdao.seals.file.viscoelastic_table import series_of
 from seal_mdao.seals.outline.outline_seal import SectionRegion
 from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE
@@ -138,6 +140,16 @@ class SealFile:
         return (*self.profiles, *self.moved)
 
     @property
+    def leading(self) -> ProfileTable | MovedTable | None:
+        """First profile or moved edges with stages; None where nothing has any."""
+        return next((own for own in self.moving if own.stages), None)
+
+    @property
+    def stages(self) -> tuple:
+        """Stages of the path: those of ``leading``."""
+        return () if self.leading is None else self.leading.stages
+
+    @property
     def glued(self) -> dict:
         """Edges that are bonded to profiles, by the name of the profile."""
         return {own.name: own.glued for own in self.profiles if own.glued is not None}
@@ -180,23 +192,24 @@ class SealFile:
         # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""
-        rest = SectionRegion(
-            self.materials[section.material], prefix, lines=section.parting,
-            growth=growth_of(self, section.material),
-            density=self.material_tables[section.material].density,
-        )  # fmt: skip
+        rest = self._region(section.material, prefix, lines=section.parting)
         return [rest] + [
-            SectionRegion(
-                self.materials[own.material], f"{own.material}_", own.at,
-                () if own.line is None else (own.line,), growth_of(self, own.material),
-                self.material_tables[own.material].density,
+            self._region(
+                own.material, f"{own.material}_", own.at, () if own.line is None else (own.line,)
             )
             for own in section.regions
-        ]  # fmt: skip
+        ]
+
+    def _region(self, name: str, prefix: str, at=None, lines=()) -> SectionRegion:
+        """Make a part of the section of the material ``name``."""
+        return SectionRegion(
+            self.materials[name], prefix, at, lines, growth_of(self, name),
+            self.material_tables[name].density, series_of(self, name), softening_of(self, name),
+        )  # fmt: skip
 
     @property
     def environment(self) -> Environment | None:
-        """Axial stretch and temperature along the path."""
+        """Axial stretch, temperature and time along the path."""
         return environment_of(self)
 
     def conditions(self) -> dict:
@@ -207,7 +220,7 @@ class SealFile:
     def contributions(self) -> list:
         """Functions that bind every term but the body to a section, in the order of the terms."""
         # the fluid of the last stage rises with that of a profile that moves
-        last = next(own.stages[-1].steps for own in self.moving if own.stages)
+        last = self.stages[-1].steps
         # profiles, air, self-contact, fluids, terms of extensions
         touching = [cleared(profile, self.section.outline).on for profile in self.profiles]
         air = [partial(cavity.on, environment=self.environment) for cavity in self.cavities]

@@ -10,17 +10,26 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.motion import ROUNDING
 from seal_mdao.measures.load_deflection import LoadDeflectionError
 from seal_mdao.measures.reaction import TRAVEL, Reaction
-from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of
+from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import KINDS, MeasureTable, OfProfile, kind
 from seal_mdao.seals.file.schema import key, known
 from seal_mdao.seals.file.target_curve import read_target
+from seal_mdao.seals.file.viscoelastic_table import relaxes
 
-__all__ = ["KINDS", "LoadDeflectionErrorTable", "ReactionTable"]
+__all__ = ["KINDS", "LoadDeflectionErrorTable", "ReactionTable", "reaction_of"]
 
 _AXES = {"x": 0, "y": 1}
 Travels = Annotated[
     number(least=0.0) | many(number(least=0.0), "a list of travels"),
     Form("a travel along the path, a number of at least 0, or a list of them (mm)"),
+]
+Stages = Annotated[
+    whole(1, 1000) | many(whole(1, 1000), "a list of stages"),
+    Form("the number of a stage, from 1 on, or a list of them"),
+]
+Times = Annotated[
+    number(above=0.0) | many(number(above=0.0), "a list of times"),
+    Form("a time from the beginning of the path on, a number above 0, or a list of them (s)"),
 ]
 Forces = many(number(), "a list of numbers")
 Weights = many(number(least=0.0), "a list of numbers of at least 0")
@@ -38,14 +47,17 @@ Direction = Annotated[
 ]
 
 
-def _reaction(profile="", component=None, travel=None, **own):
+def reaction_of(profile="", component=None, travel=None, stage=None, time=None, **own):
     # both axes for a direction, which the measure projects on
     axes = (0, 1) if component is None else (_AXES[component],)
-    travels = (travel,) if isinstance(travel, float) else travel
-    return Reaction(profile, travels, axes, **own)
+    travels, stages, times = (
+        given if given is None or isinstance(given, tuple) else (given,)
+        for given in (travel, stage, time)
+    )
+    return Reaction(profile, travels, axes, stages=stages, times=times, **own)
 
 
-@kind("reaction", _reaction)
+@kind("reaction", reaction_of)
 class ReactionTable(OfProfile):
     """Force of the seal on a profile, or on fixed or moved edges."""
 
@@ -68,6 +80,8 @@ class ReactionTable(OfProfile):
         "move, along the path of the first moving profile; default: the end",
         None,
     )
+    stage: Stages | None = key("in place of travel: at the ends of stages of the path", None)
+    time: Times | None = key("in place of travel: at times of a seal that relaxes", None)
     length: number("mm", above=0.0) | None = key(
         "length of the seal whose force it is, in N; N/m unless given", None
     )
@@ -83,16 +97,26 @@ class ReactionTable(OfProfile):
         # an axis, or a vector
         if self.component is not None and self.direction is not None:
             raise ValueError("component beside direction; use one of them")
+        # one kind of places on the path
+        if len(self._places) > 1:
+            raise ValueError(f"{' beside '.join(self._places)}; use one of them")
         return self
 
     @property
+    def _places(self) -> dict:
+        """What is given of travel, stage and time."""
+        given = {name: getattr(self, name) for name in ("travel", "stage", "time")}
+        return {name: own for name, own in given.items() if own is not None}
+
+    @property
     def single(self) -> bool:
-        """Unless there is a list of travels."""
-        return not isinstance(self.travel, tuple)
+        """Unless there is a list of travels, stages or times."""
+        return not any(isinstance(own, tuple) for own in self._places.values())
 
     @property
     def count(self):
-        return len(self.travel) if isinstance(self.travel, tuple) else 1
+        given = next(iter(self._places.values()), None)
+        return len(given) if isinstance(given, tuple) else 1
 
     def settled(self, where, profiles):
         if self.edges is not None:
@@ -122,6 +146,17 @@ class ReactionTable(OfProfile):
         return done
 
     def check(self, where, file):
+        stages = len(file.stages)
+        if self.stage is not None and np.max(self.stage) > stages:
+            raise SealFileError(
+                f"{where}: stage = {np.max(self.stage)}, but the path has {stages} "
+                f"stage{'s' if stages > 1 else ''}"
+            )
+        if self.time is not None and not relaxes(file):
+            raise SealFileError(
+                f"{where}: time needs a material that relaxes ([material.NAME.viscoelastic]), so that "
+                "stages take time; use travel or stage"
+            )
         # a force on an edge needs a prescribed component
         for name in self.edges or ():
             known(where, "edges", name, file.section.outline.edge_names, "edge")
@@ -143,15 +178,17 @@ def _main_axis(profile) -> str:
 
 def _load_deflection_error(value, data=None, weight=None, **own):
     # forces as the measure "reaction" gives them; the file of targets has been read
-    return LoadDeflectionError(_reaction(**own), value, weight)
+    return LoadDeflectionError(reaction_of(**own), value, weight)
 
 
 @kind("load_deflection_error", _load_deflection_error)
 class LoadDeflectionErrorTable(ReactionTable):
     """Sum of the squared differences of the force from a target curve, relative to its values."""
 
-    value: Forces | None = key("target force at every travel, in the units of the force", None)
-    weight: Weights | None = key("weight of every travel in the sum; 1 unless given", None)
+    value: Forces | None = key(
+        "target force at every travel, stage or time, in the units of the force", None
+    )
+    weight: Weights | None = key("weight of every one of them in the sum; 1 unless given", None)
     data: Text | None = key(
         "in place of travel and value: CSV file with the columns travel_mm and force, relative to this "
         "file",
@@ -164,7 +201,7 @@ class LoadDeflectionErrorTable(ReactionTable):
     def read(self, where, folder):
         if self.data is None:
             return self
-        if self.travel is not None or self.value is not None:
+        if self._places or self.value is not None:
             raise SealFileError(f"{where}: data beside travel and value; use one of them")
         try:
             travel, value = read_target(folder / self.data)
@@ -173,20 +210,21 @@ class LoadDeflectionErrorTable(ReactionTable):
         return replace(self, travel=travel, value=value)
 
     def settled(self, where, profiles):
-        if self.travel is None or self.value is None:
+        if not self._places or self.value is None:
             raise SealFileError(f"{where}: the target needs travel and value, or data")
         # one number is a curve of one point
-        travel = self.travel if isinstance(self.travel, tuple) else (self.travel,)
+        (place, given), *_ = self._places.items()
+        places = given if isinstance(given, tuple) else (given,)
         for name, own in (("value", self.value), ("weight", self.weight)):
-            if own is not None and len(own) != len(travel):
+            if own is not None and len(own) != len(places):
                 raise SealFileError(
-                    f"{where}: {name} has {len(own)} numbers, but travel has {len(travel)}"
+                    f"{where}: {name} has {len(own)} numbers, but {place} has {len(places)}"
                 )
         if not all(self.value):
             raise SealFileError(
                 f"{where}: value has a target of 0, and differences are relative to the targets; leave "
-                "this travel out"
+                f"this {place} out"
             )
         if self.weight is not None and not any(self.weight):
             raise SealFileError(f"{where}: weight has nothing but zeros")
-        return replace(super().settled(where, profiles), travel=travel)
+        return replace(super().settled(where, profiles), **{place: places})

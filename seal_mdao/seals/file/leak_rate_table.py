@@ -4,10 +4,10 @@ from pydantic import model_validator
 
 from seal_mdao.measures.leak_rate import LeakRate
 from seal_mdao.measures.roughness import Roughness
-from seal_mdao.seals.file.force_types import KINDS
 from seal_mdao.seals.file.forms import number
 from seal_mdao.seals.file.measure_table import OfProfile, kind
 from seal_mdao.seals.file.schema import key
+from seal_mdao.seals.file.time_types import KINDS
 
 __all__ = ["KINDS", "LeakRateTable"]
 

@@ -26,11 +26,13 @@ from seal_mdao.materials.by_name import LAWS
 from seal_mdao.materials.hardness import BULK_MODULUS, LEAST_SHORE, MOST_SHORE, ShoreRubber
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.sponge import GRADES, graded_sponge
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.model_table import ENTROPIC, per_stage
 from seal_mdao.seals.file.schema import LINE, TAG, Table, chosen_by, key, table, table_of
-from seal_mdao.structure.environment import ABSOLUTE_ZERO
+from seal_mdao.seals.file.softening_table import SofteningTable
+from seal_mdao.seals.file.viscoelastic_table import ViscoelasticTable
 from seal_mdao.values import formatted
 
 MODULI = {"c10", "c01", "c20", "c30", "mu", "shear_modulus", "bulk_modulus"}
@@ -88,10 +90,20 @@ class MaterialTable(Table):
         key("volume in a liquid over dry volume; it grows from 1 in the first stage", None)
     )
 
+    viscoelastic: ViscoelasticTable | None = key(
+        "relaxation over time, for stages with a duration", None
+    )
+    softening: SofteningTable | None = key(
+        "softening below the largest strain energy so far (Mullins effect)", None
+    )
+
     @property
     def changes_with_temperature(self) -> bool:
-        """Whether the material has an expansion, or moduli that depend on the temperature."""
-        return self.expansion != 0.0 or self.modulus_over_temperature is not None
+        """Whether the material has an expansion, or moduli or relaxation times that depend on the
+        temperature."""
+        own = self.viscoelastic
+        shifted = own is not None and (own.wlf is not None or own.arrhenius is not None)
+        return self.expansion != 0.0 or self.modulus_over_temperature is not None or shifted
 
 
 @table(kw_only=True)

@@ -130,6 +130,11 @@ class AtPlaces(OfProfile):
     places: Places | None = key("with a cloud: indices of contact points", None)
 
 
+def nearest(point, particles: np.ndarray) -> int:
+    """Find the particle nearest to a point."""
+    return int(np.hypot(*(particles - point).T).argmin())
+
+
 def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
     """Make the measure of a table, for a section with ``particles`` (n, 2)."""
     return replace(entry.measure(particles), name=entry.name)

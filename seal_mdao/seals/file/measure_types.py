@@ -4,8 +4,7 @@ from dataclasses import fields
 from functools import cache, partial
 from typing import Annotated
 
-import numpy as np
-from pydantic import model_validator
+from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.measures.contact_pressure import ContactPressure, ContactWidth, PeakPressure
@@ -23,13 +22,14 @@ from seal_mdao.measures.stress import LargestVonMises, StressNorm, VonMises
 from seal_mdao.measures.wall_thickness import WallThickness
 from seal_mdao.measures.work import FrictionWork, ProfileWork, StrainEnergy
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
-from seal_mdao.seals.file.forms import Names, Point, Text, many, number, one_of, whole
+from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import (
     AtPlaces,
     MeasureTable,
     OfProfile,
     Places,
     kind,
+    nearest,
     simple_kind,
 )
 from seal_mdao.seals.file.schema import chosen_by, key, known
@@ -40,6 +40,19 @@ from seal_mdao.seals.outline.walls import fault_of_wall
 Patches = many(Places, "a list of such lists, one for every patch")
 Order = whole(2, 1000)
 Sites = many(Point, "a list of points [[x, y], ...] (mm)")
+
+
+def _two_stages(given):
+    if not given[0] < given[1]:
+        raise ValueError
+    return given
+
+
+StagePair = Annotated[
+    many(whole(0, 1000), "two stages", 2, 2),
+    AfterValidator(_two_stages),
+    Form("two stages, the second after the first, such as [2, 4]; 0 is the start of the path"),
+]
 
 
 simple_kind("section_area", SectionArea, MeasureTable, "Area of the undeformed section.")
@@ -199,7 +212,24 @@ class LargestGapTable(AtPlaces):
     order: Order | None = key("of the p-norm", None)
 
 
-simple_kind("profile_work", ProfileWork, OfProfile, "Work of a profile on the seal along the path.")
+@kind("profile_work", lambda profile, stage=None: ProfileWork(profile, stages=stage))
+class ProfileWorkTable(OfProfile):
+    """Work of a profile on the seal along the path; over a closed cycle the hysteresis loss."""
+
+    stage: StagePair | None = key(
+        "two stages between whose ends the work is done, such as [2, 4]; the complete path unless given",
+        None,
+    )
+
+    def check(self, where, file):
+        stages = len(file.stages)
+        if self.stage is not None and self.stage[1] > stages:
+            raise SealFileError(
+                f"{where}: stage = {list(self.stage)}, but the path has {stages} "
+                f"stage{'s' if stages > 1 else ''}"
+            )
+
+
 simple_kind(
     "friction_work", FrictionWork, MeasureTable,
     "Work of all profiles that is not stored in the body.",
@@ -259,7 +289,7 @@ class VonMisesTable(MeasureTable):
         # particles by number, nearest to points, or at the largest maxima of the nominal seal
         places = self.places
         if places is None and self.at is not None:
-            places = tuple(_nearest(point, particles) for point in self.at)
+            places = tuple(nearest(point, particles) for point in self.at)
         return VonMises(places) if self.count is None else VonMises(places, self.count)
 
 
@@ -271,12 +301,7 @@ class DisplacementTable(MeasureTable):
     single = False
 
     def measure(self, particles):
-        return self.makes(_nearest(self.at, particles))
-
-
-def _nearest(point, particles) -> int:
-    """Find the particle nearest to a point."""
-    return int(np.hypot(*(particles - point).T).argmin())
+        return self.makes(nearest(self.at, particles))
 
 
 @cache

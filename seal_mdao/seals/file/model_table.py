@@ -6,12 +6,12 @@ import numpy as np
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_known
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.seals.conditions import HOTTEST
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING
 from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
-from seal_mdao.structure.environment import ABSOLUTE_ZERO
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
 GENERALISED = "generalised_plane_strain"
@@ -25,6 +25,25 @@ def per_stage(one, allowed: str):
     return Annotated[
         one | many(one, "a list"), Form(f"{allowed}, or a list with one for the end of every stage")
     ]
+
+
+def at_stage_ends(file, where: str, given) -> tuple:
+    """Return the values of a ``SealFile`` at the ends of its stages, of one number or of a list.
+
+    Raises
+    ------
+    SealFileError
+        For a list with another number of values.
+    """
+    count = len(file.stages)
+    values = given if isinstance(given, tuple) else (given,) * count
+    if len(values) != count:
+        raise SealFileError(
+            f"{where} has {len(values)} numbers, but {file.leading.name!r} has {count} "
+            f"{'stage' if count == 1 else 'stages'}; "
+            "give one for the end of every stage, or one number for all of them"
+        )
+    return values
 
 
 @table

@@ -40,7 +40,8 @@ class StageTable(Table):
     rotate: Angle = key("turn about the pivot, counter-clockwise", 0.0)
     steps: Steps | None = key("load steps; chosen where no stage has any", None)
     duration: number("s", above=0.0) | None = key(
-        "time of this stage, for a cavity with vents; the travel over closing_speed unless given",
+        "time of this stage, for materials that relax and cavities with vents; of vents the travel over "
+        "closing_speed unless given",
         None,
     )
 

@@ -35,16 +35,20 @@ from seal_mdao.seals.file.section_table import (
     WrittenSection,
 )
 from seal_mdao.seals.file.segment_tables import ArcTable, CircleTable
+from seal_mdao.seals.file.softening_table import SofteningTable
 from seal_mdao.seals.file.tolerance_table import (
     VARY_TABLES,
     BoundaryTable,
     ToleranceTable,
     VaryTable,
 )
+from seal_mdao.seals.file.viscoelastic_table import ArrheniusTable, ViscoelasticTable, WlfTable
 
 TABLES = {
     "model": ModelTable,
     "material": LawTable, "shore": ShoreTable, "sponge": SpongeTable,
+    "viscoelastic": ViscoelasticTable, "wlf": WlfTable, "arrhenius": ArrheniusTable,
+    "softening": SofteningTable,
     "section": WrittenSection, "outer": OuterTable, "hole": HoleTable,
     "rays": RaysTable, "arc": ArcTable, "circle": CircleTable,
     "region": RegionTable, "fixed": FixedTable, "moved": MovedTable, "symmetry": SymmetryTable,

@@ -18,7 +18,7 @@ from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import Drawing, read_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, OutlineCloud
+from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.outline.sizes import unusual_size
 from seal_mdao.seals.wall_grid import SCHEMES
@@ -30,6 +30,8 @@ MOST_LAYERS = 50
 MOST_PARTICLES = 200_000
 """That a section may need; more is a slip of the spacing."""
 FILLINGS = ("spacing", "rays", "cloud")
+QUADRATURE = 2, 3
+"""Fewest and most Gauss points along each direction of a cell."""
 
 Edge = Annotated[Text, AfterValidator(layer_name)]
 """Drawings of designs have edges as layers."""
@@ -107,6 +109,11 @@ class WrittenSection(Table):
     edge_spacing: Distances | None = key(
         "with spacing: smaller largest distances of the particles along named edges", None
     )
+    quadrature: whole(*QUADRATURE) | None = key(
+        f"with spacing: Gauss points along each direction of a cell, default {Kernels.n_gauss}; "
+        f"{QUADRATURE[1]} for rubber held on all sides at pressures above about nine shear moduli",
+        None,
+    )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
     cloud: Text | None = key("instead of spacing: mesh file, relative to this file", None)
     outer: rows(OuterTable) | None = key("segments of the outside", None)
@@ -154,6 +161,10 @@ class WrittenSection(Table):
             raise ValueError("layers belongs to spacing; rays and a cloud have their own")
         if self.edge_spacing is not None and self.spacing is None:
             raise ValueError("edge_spacing belongs to spacing; rays and a cloud have their own")
+        if self.quadrature is not None and self.spacing is None:
+            raise ValueError(
+                "quadrature belongs to spacing; the accuracy of rays and a cloud have their own"
+            )
         return self
 
     def read(self, folder: Path, materials: tuple) -> "SectionTable":
@@ -192,7 +203,7 @@ class WrittenSection(Table):
         layers = LAYERS if self.layers is None else self.layers
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, regions, layers, drawing.parting,
-            drawing.notice, self.edge_spacing or {},
+            drawing.notice, self.edge_spacing or {}, self.quadrature or Kernels.n_gauss,
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -236,6 +247,8 @@ class SectionTable:
         Line that says what of the drawing was left out; empty for nothing.
     edge_spacing : dict
         Largest distance of particles along edges by their names, mm, beside ``spacing``.
+    quadrature : int
+        Gauss points along each direction of a cell, where a spacing fills the section.
     """
 
     outline: Outline
@@ -248,6 +261,7 @@ class SectionTable:
     parting: tuple = ()
     notice: str = ""
     edge_spacing: dict[str, float] = field(default_factory=dict)
+    quadrature: int = Kernels.n_gauss
 
     @property
     def cuts(self) -> list:

@@ -1,6 +1,7 @@
 """Read and write sections as DXF drawings, with the library ezdxf (extra ``dxf``)."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import import_module
 from math import degrees
 from pathlib import Path
@@ -18,6 +19,7 @@ from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Arc, Circle, Contour
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name, pieces_of
 from seal_mdao.seals.outline.dxf_layers import layer_names, sorted_entities
+from seal_mdao.seals.outline.edges_by_corner import named_by_corners
 from seal_mdao.seals.outline.parting import parted
 
 MILLIMETRES = 4
@@ -106,6 +108,25 @@ def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawi
         outline, cuts = parted(outline, *zip(*pieces, strict=True)) if pieces else (outline, ())
         texts = tuple((text, (scale * x, scale * y)) for text, (x, y) in found.texts)
         return Drawing(outline, cuts, texts, dict(found.left_out))
+    except GeometryError as error:
+        raise GeometryError(f"{path}: {error}") from None
+
+
+def read_by_corners(path, units: str | None = None, ignore=()) -> Outline:
+    """Read the boundary in a drawing whatever its layers are; edges are the parts between corners.
+
+    Parameters and errors as of ``read_drawing``; names of edges are those of ``named_by_corners``.
+    """
+    document = _document(path)
+    try:
+        scale = MODEL_UNITS[_units(document, units)]
+        pieces = pieces_of(sorted_entities(document, ignore).geometry, scale)
+        # a name for every piece, so that no two parts have the same
+        single = [
+            (replace(segment, edge=str(number)), name)
+            for number, (segment, name) in enumerate(pieces)
+        ]
+        return named_by_corners(_outline_of(single))
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
 
@@ -287,7 +308,7 @@ def _units(document, wanted) -> str:
     if code == 0 and wanted is None:
         raise GeometryError(
             "the drawing has no units ($INSUNITS in its header is missing or 0); set them in the "
-            f"drawing, or say units = one of {', '.join(MODEL_UNITS)}"
+            f"drawing, or say units (--units of the command) = one of {', '.join(MODEL_UNITS)}"
         )
     if code == 0:
         return wanted

@@ -12,6 +12,8 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.loads.moved_edges import ImposedMotions, MovedEdges
 from seal_mdao.materials.isotropic import Isotropic
+from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
@@ -21,6 +23,7 @@ from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
 from seal_mdao.seals.outline.sizes import unusual_size
+from seal_mdao.seals.outline.unusual_values import unusual_values
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
@@ -48,6 +51,10 @@ class SectionRegion(NamedTuple):
         By heat and swelling, where there is an environment.
     density : float or None
         kg/m^3; the measure ``mass`` alone needs it.
+    prony : PronySeries or None
+        Relaxation; the environment knows the time then.
+    softening : OgdenRoxburgh or None
+        Softening by the largest energy so far.
     """
 
     material: object
@@ -56,6 +63,14 @@ class SectionRegion(NamedTuple):
     lines: tuple = ()
     growth: Growth = Growth()
     density: float | None = None
+    prony: PronySeries | None = None
+    softening: OgdenRoxburgh | None = None
+
+    def on(self, cells) -> Region:
+        """Make the region of these cells, None for all of them."""
+        return Region(
+            self.material, cells, self.prefix, self.growth, self.density, self.prony, self.softening
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,6 +91,8 @@ class OutlineSeal(Seal):
         Number of parameters of every design.
     """
 
+    clear_designs = True
+
     loops: tuple = ()
     spacing: float | Rays | OutlineCloud = 1.0
     kernels: Kernels = field(default_factory=Kernels)
@@ -84,10 +101,12 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of a size that no seal has, and of a wall with too few layers of particles; those of
-        rays are chosen by the user."""
+        """Warnings of a size that no seal has, of values that no rubber has, and of a wall with too few
+        layers of particles; those of rays are chosen by the user."""
         size = unusual_size(np.ptp(self.nominal_particles, axis=0))
-        return (*([size] if size else []), *self._few_layers())
+        # with the changed parameters
+        unusual = unusual_values(self._terms[0])
+        return (*([size] if size else []), *unusual, *self._few_layers())
 
     def _few_layers(self) -> tuple[str, ...]:
         if isinstance(self.spacing, Rays):
@@ -254,7 +273,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     """Find the cells of every region, first of that of the rest."""
     rest, *others = sorted(regions, key=lambda region: region.at is not None)
     if not others:
-        return (Region(rest.material, None, rest.prefix, rest.growth, rest.density),)
+        return (rest.on(None),)
     parts = [filled.part_at(region.at) for region in others]
     for i, part in enumerate(parts):
         if part in parts[:i]:
@@ -271,10 +290,7 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
             "section"
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
-    return tuple(
-        Region(region.material, own, region.prefix, region.growth, region.density)
-        for region, own in zip((rest, *others), cells, strict=True)
-    )
+    return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))
 
 
 def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool) -> Body:

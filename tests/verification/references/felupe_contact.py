@@ -187,26 +187,41 @@ CASES = {
 }
 
 
-def model_of(case, mesh):
-    """Fields, items, boundaries and the plate, whose point is the last one of the mesh."""
-    x, y = mesh.points.T
-    touched = np.where(case.touched(x, y))[0]
-    mesh.add_points([0.0, case.top])
+def three_fields(mesh, displacement, modes=3):
+    """Displacement, a ``felupe`` field class, with discontinuous pressure and volume ratio."""
     region = fem.RegionBiQuadraticQuad(mesh)
-    n, k = mesh.ncells, case.pressure_modes
-    of_pressure = fem.Mesh(np.zeros((k * n, 2)), np.arange(k * n).reshape(n, k), "pressure")
-    dual = fem.Region(of_pressure, Pressure(k), region.quadrature, grad=False)
-    one = np.tile(np.eye(k)[0], n)[:, None]
-    fields = fem.FieldContainer(
+    n = mesh.ncells
+    of_pressure = fem.Mesh(
+        np.zeros((modes * n, 2)), np.arange(modes * n).reshape(n, modes), "pressure"
+    )
+    dual = fem.Region(of_pressure, Pressure(modes), region.quadrature, grad=False)
+    one = np.tile(np.eye(modes)[0], n)[:, None]
+    return fem.FieldContainer(
         [
-            fem.FieldPlaneStrain(region, dim=2),
+            displacement(region, dim=2),
             fem.Field(dual, dim=1),
             fem.Field(dual, dim=1, values=one),
         ]
     )
-    c10, c01, bulk = case.rubber.values()
-    law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
-    solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
+
+
+def mooney_rivlin(rubber):
+    """Isochoric law of a rubber."""
+    own = mat.models.hyperelastic.mooney_rivlin
+    return mat.Hyperelastic(own, C10=rubber["c10"], C01=rubber["c01"])
+
+
+def model_of(case, mesh, law=None):
+    """Fields, items, boundaries and the plate, whose point is the last one of the mesh.
+
+    ``law``: isochoric law in place of Mooney-Rivlin's.
+    """
+    x, y = mesh.points.T
+    touched = np.where(case.touched(x, y))[0]
+    mesh.add_points([0.0, case.top])
+    fields = three_fields(mesh, fem.FieldPlaneStrain, case.pressure_modes)
+    law = law or mooney_rivlin(case.rubber)
+    solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=case.rubber["bulk_modulus"]), fields)
     plate = fem.ContactRigidPlane(
         fields,
         touched,

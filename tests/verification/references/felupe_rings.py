@@ -26,7 +26,17 @@ from time import perf_counter
 import felupe as fem
 import felupe.constitution.tensortrax as mat
 import numpy as np
-from felupe_contact import CODE, SOFT, Case, Pressure, asked, on_arc, save, travels
+from felupe_contact import (
+    CODE,
+    SOFT,
+    Case,
+    asked,
+    mooney_rivlin,
+    on_arc,
+    save,
+    three_fields,
+    travels,
+)
 from felupe_pressure import ELASTIC_SLIP, chained, outer_sides, rounded
 from felupe_sections import fine_disc, mesh_of, outlined
 from pypardiso import spsolve
@@ -161,32 +171,29 @@ def motion(case):
     return RADIAL if case.prescribed == "xy" else AXIAL
 
 
-def model_of(case, mesh):
-    """Fields, body, boundaries and the plate of a mesh (R, y); the plate is the last point."""
+def model_of(case, mesh, law=None):
+    """Fields, body, boundaries and the plate of a mesh (R, y); the plate is the last point.
+
+    ``law``: isochoric law in place of Mooney-Rivlin's.
+    """
     points = mesh.points
     touched = np.flatnonzero(case.touched(*points.T))
     turned = fem.Mesh(points[:, ::-1], mesh.cells[:, FLIPPED], "quad9")
     # beside the axis, where the radius is not zero, and away from the section
     shaft = motion(case) == RADIAL
     turned.add_points([1.0, case.top] if shaft else [case.top, 1.0])
-    region = fem.RegionBiQuadraticQuad(turned)
-    n, k = turned.ncells, case.pressure_modes
-    of_pressure = fem.Mesh(np.zeros((k * n, 2)), np.arange(k * n).reshape(n, k), "pressure")
-    dual = fem.Region(of_pressure, Pressure(k), region.quadrature, grad=False)
-    one = np.tile(np.eye(k)[0], n)[:, None]
-    u = fem.FieldAxisymmetric(region, dim=2)
-    pressure, volume = fem.Field(dual, dim=1), fem.Field(dual, dim=1, values=one)
     if case.rubber is FOAM:
         # beta = nu / (1 - 2 nu); one field
         mu, alpha, nu = (np.array(own) for own in FOAM.values())
+        u = fem.FieldAxisymmetric(fem.RegionBiQuadraticQuad(turned), dim=2)
         fields, storakers = fem.FieldContainer([u]), mat.models.hyperelastic.storakers
         law = mat.Hyperelastic(storakers, mu=mu, alpha=alpha, beta=nu / (1.0 - 2.0 * nu))
         solid = fem.SolidBody(law, fields)
     else:
-        fields = fem.FieldContainer([u, pressure, volume])
-        c10, c01, bulk = case.rubber.values()
-        law = mat.Hyperelastic(mat.models.hyperelastic.mooney_rivlin, C10=c10, C01=c01)
+        fields = three_fields(turned, fem.FieldAxisymmetric, case.pressure_modes)
+        law, bulk = law or mooney_rivlin(case.rubber), case.rubber["bulk_modulus"]
         solid = fem.SolidBody(fem.NearlyIncompressible(law, bulk=bulk), fields)
+    u = fields[0]
     plate = fem.ContactRigidPlane(
         fields, touched, -1, normal=[0.0, 1.0] if shaft else [-1.0, 0.0], friction=case.friction,
         multiplier=case.normal_penalty, multiplier_tangential=case.tangent_penalty,

@@ -1,0 +1,178 @@
+"""Measures of what a seal keeps while it relaxes: part of the force, how long, and set after release."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seal_mdao.analysis.cost import duration
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.reaction import Reaction, end_of_stage, stage_times
+
+SMALL = 1e-3
+"""Ratio that counts as zero."""
+
+
+@dataclass(frozen=True)
+class RetainedForce(Derived):
+    """Force at the second of two stages or times over that at the first.
+
+    Attributes
+    ----------
+    base : Reaction
+        One force at each of them.
+    """
+
+    base: Reaction
+    name: str = "retained_force"
+    units = None
+    text = "Force over an earlier one, F(t) / F(0)."
+
+    def least_scale(self, result):
+        return SMALL
+
+    def value(self, values):
+        # m = F_2 / F_1
+        first, last = values
+        if first == 0.0:
+            raise ValueError(f"{self.name!r}: the force is 0 where it is to be compared with")
+        return last / first, np.array([-last / first**2, 1.0 / first])
+
+
+@dataclass(frozen=True)
+class TimeToForceFraction(Measure):
+    """Time from the end of a stage until the force has fallen to a fraction of that at this end.
+
+    Between the load steps of a dwell the force is linear in the logarithm of time, as it is drawn. Not a
+    number where the fraction is not reached in the dwells that follow the stage.
+
+    Attributes
+    ----------
+    base : Reaction
+        One force, without travels, stages or times.
+    fraction : float
+        Between 0 and 1.
+    stage : int
+        From 1 on; a dwell follows.
+    """
+
+    base: Reaction
+    fraction: float
+    stage: int = 1
+    name: str = "time_to_force_fraction"
+    units = "s"
+    text = "Time until the force has fallen to a fraction of that at the end of a stage."
+
+    def check(self, seal):
+        first = stage_times(seal.terms()[0], self.name).first
+        if self.stage >= len(first) or not np.isfinite(first[self.stage]):
+            raise ValueError(
+                f"{self.name!r}: stage = {self.stage}, but no dwell follows this stage of the path"
+            )
+
+    def least_scale(self, result):
+        # the least relaxation time of the materials
+        return float(self._times(result).first[self.stage])
+
+    def _times(self, result):
+        return stage_times(result.term("structure").definition, self.name)
+
+    def _dwell(self, result) -> tuple[int, np.ndarray, np.ndarray]:
+        """Find the nominal steps completed at the end of the stage, and after every step of the dwells
+        that follow the path parameter and the force e . F, the one at that end first."""
+        times, last = self._times(result), self.stage
+        while last < len(times.first) and np.isfinite(times.first[last]):
+            last += 1
+        begin, end = (end_of_stage(result, stage) for stage in (self.stage, last))
+        motion = self.base.motion(result)
+        direction = self.base.directions_at(motion, motion.travels[begin])[0][0]
+        steps = result.path.nominal_steps[begin - 1 : end]
+        forces = np.array([direction @ self.base.force_at(result, step) for step in steps])
+        return begin, np.arange(begin, begin + len(steps)), forces
+
+    def missing(self, result):
+        _, fractions, forces = self._dwell(result)
+        if forces[0] == 0.0:
+            return f"{self.name}: the force is 0 at the end of stage {self.stage}"
+        least = (forces / forces[0]).min()
+        if least <= self.fraction:
+            return ""
+        begin, end = self._times(result).at(fractions[[0, -1]])
+        return (
+            f"{self.name}: the force falls to {least:.4g} of that at the end of stage {self.stage} in "
+            f"{duration(end - begin)} of the dwell, and to the fraction {self.fraction:g} later; make "
+            "the dwell longer, or the fraction larger"
+        )
+
+    def evaluate(self, result, partials):
+        begin, fractions, forces = self._dwell(result)
+        # f F_0 is not reached, see ``missing``
+        fallen = np.flatnonzero(forces / forces[0] <= self.fraction) if forces[0] else ()
+        if not len(fallen):
+            return np.nan
+        # the first step after which F_k <= f F_0
+        k = int(fallen[0])
+        # s = k - 1 + w,  w = (f F_0 - F_(k-1)) / (F_k - F_(k-1)),  m = t(s) - t(s_0)
+        change = forces[k] - forces[k - 1]
+        w = (self.fraction * forces[0] - forces[k - 1]) / change
+        at = float(fractions[k - 1] + w)
+        times = self._times(result)
+        # dm = dt/ds ds + (dt/dp(s) - dt/dp(s_0)) dp,
+        # ds = (f dF_0 - (1 - w) dF_(k-1) - w dF_k) / (F_k - F_(k-1))
+        slope = times.slope_at(at) / change
+        environment = result.term("structure").definition.environment
+        for name, own in environment.time_rates([at, begin]).items():
+            partials.parameter(name)[0] += own[0] - own[1]
+        motion = self.base.motion(result)
+        directions, turns = self.base.directions_at(motion, motion.travels[begin])
+        for number, weight in ((0, self.fraction), (k - 1, w - 1.0), (k, -w)):
+            step = result.path.nominal_steps[begin - 1 + number]
+            weight *= slope
+            self.base.add_partials(result, partials, step, np.zeros(1, int), weight * directions)
+            # d(e . F) = e . dF + F . de
+            for name, turn in zip(motion.names, turns, strict=True):
+                if turn.any():
+                    force = self.base.force_at(result, step)
+                    partials.parameter(name)[0] += weight * float(turn[0] @ force)
+        found = times.at([at, begin])
+        return found[0] - found[1]
+
+
+@dataclass(frozen=True)
+class CompressionSet(Measure):
+    """Part of the compression of a particle that is left at the end of the path: with its displacement u
+    along one axis, (h_0 - h_end) / (h_0 - h_closed) = u_end / u_closed.
+
+    Attributes
+    ----------
+    point : int
+        Particle, on the surface that the profile compresses.
+    component : int
+        0 horizontal, 1 vertical.
+    stage : int
+        At whose end, from 1 on, the seal is closed.
+    """
+
+    point: int
+    component: int = 1
+    stage: int = 1
+    name: str = "compression_set"
+    units = None
+    text = "Part of the compression that is left at the end, (h_0 - h) / (h_0 - h_closed)."
+
+    def least_scale(self, result):
+        return SMALL
+
+    def evaluate(self, result, partials):
+        number = end_of_stage(result, self.stage) - 1
+        closed, end = (
+            result.displacement(step)[self.point, self.component] for step in (number, -1)
+        )
+        if closed == 0.0:
+            raise ValueError(
+                f"{self.name!r}: its particle has not moved at the end of stage {self.stage}"
+            )
+        # m = u_e / u_c
+        at = 0, self.point, self.component
+        partials.displacement()[at] += 1.0 / closed
+        partials.displacement(result.path.nominal_steps[number])[at] -= end / closed**2
+        return end / closed

@@ -1,0 +1,79 @@
+"""``[material.x.softening]``: the Mullins effect of a material."""
+
+from pydantic import model_validator
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.materials.hoop_stretch import is_isochoric
+from seal_mdao.materials.softening import MOST, OgdenRoxburgh
+from seal_mdao.seals.file.forms import number
+from seal_mdao.seals.file.schema import Table, key, table
+
+_WITHOUT_HISTORY = {
+    "strain_energy": "a part of the work on it is dissipated; profile_work is that work",
+    "friction_work": "softening dissipates, too; profile_work over a closed cycle has both",
+    "leak_rate": "it takes the modulus of the rubber, which depends on the largest energy so far",
+}
+"""Types of measures that a softening body does not have, and why."""
+
+
+@table(kw_only=True)
+class SofteningTable(Table):
+    """Mullins effect by the law of Ogden and Roxburgh, as Abaqus has it."""
+
+    r: number(above=1.0, most=MOST) = key("limit of the softening: eta is at least 1 - 1/r")
+    m: number("kPa", least=0.0, most=MOST) = key(
+        "energy per volume below the largest one, within which the rubber softens"
+    )
+    beta: number(least=0.0, most=MOST) = key(
+        "fraction of the largest energy that adds to m; m and beta are not both 0", 0.0
+    )
+
+    @model_validator(mode="after")
+    def _possible(self):
+        # refuses m = beta = 0
+        self.made()
+        return self
+
+    def made(self) -> OgdenRoxburgh:
+        """Make the law."""
+        return OgdenRoxburgh(self.r, self.m, self.beta)
+
+
+def softening_of(file, name: str) -> OgdenRoxburgh | None:
+    """Make the softening of the material ``name`` of a ``SealFile``; None where it has none."""
+    own = file.material_tables[name].softening
+    return None if own is None else own.made()
+
+
+def check_softening(file) -> None:
+    """Refuse what softening materials of a ``SealFile`` do not know.
+
+    Raises
+    ------
+    SealFileError
+    """
+    softening = [name for name, own in file.material_tables.items() if own.softening is not None]
+    for name in softening:
+        where = f"[material.{name}.softening]"
+        if not is_isochoric(file.materials[name]):
+            raise SealFileError(
+                f"{where}: softening is that of nearly incompressible rubber, whose isochoric energy "
+                "has a factor; this law is compressible; leave softening out"
+            )
+        relaxing = [n for n, own in file.material_tables.items() if own.viscoelastic is not None]
+        if relaxing:
+            raise SealFileError(
+                f"{where}: softening beside relaxation ([material.{relaxing[0]}.viscoelastic]) is not "
+                "known; leave out either"
+            )
+        if file.model.axial_stretch is not None:
+            raise SealFileError(
+                f"{where}: softening is known in plane strain and in bodies of revolution, without an "
+                "axial_stretch; leave out either"
+            )
+    for place, measure in enumerate(file.measures, 1):
+        if softening and measure.type in _WITHOUT_HISTORY:
+            raise SealFileError(
+                f"[[measure]] {place}: {measure.type} is not known of materials that soften "
+                f"([material.{softening[0]}.softening]): {_WITHOUT_HISTORY[measure.type]}; leave it out"
+            )

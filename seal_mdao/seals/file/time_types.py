@@ -1,0 +1,83 @@
+"""Types of measures of what a seal keeps while it relaxes."""
+
+from pydantic import model_validator
+
+from seal_mdao.errors import SealFileError
+from seal_mdao.measures.retention import CompressionSet, RetainedForce, TimeToForceFraction
+from seal_mdao.seals.file.force_types import (
+    KINDS,
+    ReactionTable,
+    reaction_of,
+)
+from seal_mdao.seals.file.forms import Point, number, one_of, whole
+from seal_mdao.seals.file.measure_table import MeasureTable, kind, nearest
+from seal_mdao.seals.file.schema import key
+from seal_mdao.seals.file.viscoelastic_table import dwells, relaxes
+
+__all__ = ["KINDS", "CompressionSetTable", "RetainedForceTable", "TimeToForceFractionTable"]
+
+
+@kind("retained_force", lambda **own: RetainedForce(reaction_of(**own)))
+class RetainedForceTable(ReactionTable):
+    """Force at the second of two stages or times over that at the first, F(t) / F(0)."""
+
+    single = True
+    count = 1
+
+    @model_validator(mode="after")
+    def _two(self):
+        given = self.stage if self.time is None else self.time
+        if not isinstance(given, tuple) or len(given) != 2:
+            raise ValueError(
+                "stage or time must be two, such as stage = [1, 2]: the force at the end of stage 2 "
+                "over that at the end of stage 1"
+            )
+        return self
+
+
+def _time_to_force_fraction(fraction, stage=1, **own):
+    return TimeToForceFraction(reaction_of(**own), fraction, stage)
+
+
+@kind("time_to_force_fraction", _time_to_force_fraction)
+class TimeToForceFractionTable(ReactionTable):
+    """Time from the end of a stage until the force has fallen to a fraction of that at this end."""
+
+    fraction: number(above=0.0, most=0.99) = key("fraction of the force at the end of the stage")
+    stage: whole(1, 1000) = key("at whose end the time begins; a dwell follows", 1)
+
+    single = True
+    count = 1
+
+    def check(self, where, file):
+        if not relaxes(file):
+            raise SealFileError(
+                f"{where}: {self.type} needs a material that relaxes ([material.NAME.viscoelastic])"
+            )
+        super().check(where, file)
+        if self.stage == len(file.stages) or not dwells(file, self.stage):
+            raise SealFileError(
+                f"{where}: stage = {self.stage}, but no dwell follows it, a stage in which nothing "
+                "moves, heats or presses; give the number of the stage before a dwell"
+            )
+
+
+@kind("compression_set", CompressionSet)
+class CompressionSetTable(MeasureTable):
+    """Part of the compression that is left at the end of the path, (h_0 - h) / (h_0 - h_closed)."""
+
+    at: Point = key("a point of the surface that is compressed; the nearest particle is taken")
+    component: one_of("x", "y") = key("axis of the compression", "y")
+    stage: whole(1, 1000) = key("at whose end the seal is closed", 1)
+
+    def measure(self, particles):
+        point = nearest(self.at, particles)
+        return self.makes(point, "xy".index(self.component), self.stage)
+
+    def check(self, where, file):
+        stages = len(file.stages)
+        if self.stage >= stages:
+            raise SealFileError(
+                f"{where}: stage = {self.stage}, but the path has {stages} "
+                f"stage{'s' if stages > 1 else ''}, and the set is what is left after a later one"
+            )

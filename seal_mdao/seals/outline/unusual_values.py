@@ -1,0 +1,66 @@
+"""Values of materials far outside those of rubber: a wrong unit more often than another material."""
+
+from seal_mdao.structure.elastic_body import ElasticBody
+from seal_mdao.structure.region import Region
+
+SHEAR = (5.0, 2e4)
+"""Shear moduli of rubber and sponge, kPa: sponge of grade 2A1 (ASTM D1056) has about 40, soft foam less,
+rubber of 95 Shore A about 15,000."""
+MOST_BULK = 1e7
+"""Bulk modulus, kPa; dense rubber has 1e6 to 3e6."""
+EXPANSION = (5e-5, 5e-4)
+"""Linear coefficients of expansion, 1/K: filled rubber has about 1e-4, silicone up to 3.5e-4."""
+SWELLING = (0.8, 3.0)
+"""Volume in a liquid over dry volume; a fluid that extracts plasticiser shrinks rubber by some
+percent, one that does not suit it doubles its volume."""
+TEMPERATURE = (-100.0, 350.0)
+"""Degrees Celsius: silicone is rubber down to about -100, and no rubber endures more than about 330."""
+
+
+def unusual_values(body: ElasticBody) -> list[str]:
+    """Describe values of a body that lie far outside of those of rubber, one line each, with the unit
+    that a seal file has."""
+    found = [text for region in body.regions for text in _of_region(region, body.environment)]
+    temperature = None if body.environment is None else body.environment.temperature
+    if temperature is not None and not _within(temperature.value, TEMPERATURE):
+        found.append(
+            f"the temperature of {temperature.value:.4g} degrees Celsius is outside of "
+            f"{TEMPERATURE[0]:g} to {TEMPERATURE[1]:g}, where some rubber can be used; temperatures are "
+            "in degrees Celsius, not in kelvin"
+        )
+    return found
+
+
+def _of_region(region: Region, environment):
+    """Describe the unusual values of one material."""
+    what = f"the material {region.name!r}" if region.name else "the material"
+    shear, bulk = region.material.shear_modulus, region.material.initial_bulk_modulus
+    if not _within(shear, SHEAR):
+        compared = "smaller" if shear < SHEAR[0] else "larger"
+        yield (
+            f"{what} has an initial shear modulus of {shear:.4g} kPa, {compared} than that of rubber "
+            f"and sponge, {SHEAR[0]:g} to {SHEAR[1]:g}; moduli are in kPa: 1 MPa is 1000 kPa"
+        )
+    if bulk > MOST_BULK:
+        yield (
+            f"{what} has a bulk modulus of {bulk:.4g} kPa, larger than {MOST_BULK:g}; dense rubber has "
+            "1e6 to 3e6; moduli are in kPa: 1 MPa is 1000 kPa"
+        )
+    if environment is None:
+        return
+    alpha, swelling = region.growth.expansion, region.growth.swelling
+    if environment.temperature is not None and alpha and not _within(alpha, EXPANSION):
+        yield (
+            f"{what} has an expansion of {alpha:.4g} 1/K, outside of {EXPANSION[0]:g} to "
+            f"{EXPANSION[1]:g}, that of rubber; it is the linear coefficient, a third of that of the "
+            "volume"
+        )
+    if swelling is not None and not _within(swelling.value, SWELLING):
+        yield (
+            f"{what} has a swelling of {swelling.value:.4g}, outside of {SWELLING[0]:g} to "
+            f"{SWELLING[1]:g}; it is the volume in the liquid over the dry volume: 1.15 for 15 %"
+        )
+
+
+def _within(value: float, limits) -> bool:
+    return limits[0] <= value <= limits[1]

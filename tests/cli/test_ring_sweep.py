@@ -1,0 +1,59 @@
+"""``seal-mdao sweep`` of bodies of revolution: forces in N and in N per mm of circumference."""
+
+import csv
+
+import numpy as np
+import pytest
+from ring_files import ring
+
+import seal_mdao as sm
+from seal_mdao.cli.subcommands import main
+
+
+def swept(tmp_path, monkeypatch, *vary):
+    """Sweep a ring; return the figures by their names, the rows of both tables, and the seal."""
+    pytest.importorskip("netgen")
+    path, out, drawn = tmp_path / "ring.toml", tmp_path / "out", {}
+    path.write_text(ring() + '[[measure]]\ntype = "reaction"\n', encoding="utf-8")
+    monkeypatch.setattr("seal_mdao.plotting.save", lambda own, path: drawn.update({path.name: own}))
+    assert main(["sweep", str(path), "--vary", *vary, "--out", str(out)]) == 0
+    tables = []
+    for name in ("sweep.csv", "curves.csv"):
+        with (out / name).open(newline="", encoding="utf-8") as file:
+            tables.append(list(csv.DictReader(file)))
+    return drawn, *tables, sm.build_seal(path)
+
+
+def test_forces_of_a_ring_are_per_mm_of_its_circumference_too(tmp_path, monkeypatch):
+    drawn, rows, curves, seal = swept(tmp_path, monkeypatch, "friction", "0.1,0.3")
+    circumference = 2.0 * np.pi * seal.nominal_particles[:, 0].mean()
+    assert len(rows) == 2
+    for row in rows:
+        for name in ("plate_Fx", "plate_Fy"):
+            wanted = float(row[f"{name}_N"]) / circumference
+            assert float(row[f"{name}_N_per_mm"]) == pytest.approx(wanted, rel=1e-9)
+        wanted = float(row["reaction"]) / circumference
+        assert float(row["reaction_N_per_mm"]) == pytest.approx(wanted, rel=1e-9)
+        assert wanted > 0.0
+    for row in curves:
+        wanted = float(row["Fy_N"]) / circumference
+        assert float(row["Fy_N_per_mm"]) == pytest.approx(wanted, rel=1e-9)
+    # a right axis in N per mm, no panel of its own
+    panels = {axes.get_title(loc="left"): axes for axes in drawn["measures.png"].axes}
+    assert set(panels) - {""} == {"plate Fx N", "plate Fy N", "reaction"}
+    for axes in filter(lambda own: own.get_title(loc="left"), panels.values()):
+        (right,) = axes.child_axes
+        low, high = axes.get_ylim()
+        drawn["measures.png"].canvas.draw()
+        np.testing.assert_allclose(right.get_ylim(), [low / circumference, high / circumference])
+        assert right.get_ylabel().startswith("N per mm of circumference")
+
+
+def test_rings_of_different_circumference_have_panels_of_their_own(tmp_path, monkeypatch):
+    """The mean radius of the particles changes with their spacing."""
+    drawn, rows, _, _ = swept(tmp_path, monkeypatch, "section.spacing", "0.5,0.6")
+    titles = {axes.get_title(loc="left"): axes for axes in drawn["measures.png"].axes}
+    assert {"plate Fy N", "plate Fy N per mm", "reaction", "reaction N per mm"} <= set(titles)
+    assert not any(axes.child_axes for axes in titles.values())
+    ratios = [float(row["plate_Fy_N"]) / float(row["plate_Fy_N_per_mm"]) for row in rows]
+    assert ratios[0] != pytest.approx(ratios[1], rel=1e-6)

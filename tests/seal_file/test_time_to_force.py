@@ -1,0 +1,132 @@
+"""The measure ``time_to_force_fraction``: value, derivatives, and a fraction that is not reached."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from block_files import DESIGN, FIXED, LID, exact_seal, read, text
+from quotients import quotients
+from test_viscoelastic import HOT, SHIFTED, constants, relaxing
+
+import seal_mdao as sm
+
+MEASURES = """\
+[[measure]]
+type = "time_to_force_fraction"
+fraction = 0.68
+[[measure]]
+type = "time_to_force_fraction"
+name = "along_travel"
+fraction = 0.9
+direction = "travel"
+"""
+STAGES = """
+stage = [
+  { translate = [0.1, -0.5], steps = 3, duration = 0.5 }, { steps = 3, duration = 50.0 },
+  { steps = 2, duration = 200.0 }, { translate = [0, 0.1], steps = 2, duration = 2.0 },
+]
+"""
+BLOCK = relaxing(
+    text(FIXED, LID, DESIGN, MEASURES),
+    SHIFTED,
+    STAGES,
+    HOT.replace("80.0, 80.0", "60.0, 60.0, 60.0"),
+)
+STEPS = {
+    "tau_2": 1e-1, "duration_2": 1e-2, "temperature": 1e-2, "lid_friction": 1e-4,
+    "boundary_offsets[1]": 2e-5,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    seal = exact_seal(tmp_path_factory.mktemp("time"), BLOCK)
+    found = sm.analyze(seal, keep_factors=True)
+    found.require_converged()
+    return found
+
+
+def test_the_force_at_this_time_is_the_fraction(result):
+    """Linear in the logarithm of time between load steps, as the force at a time is."""
+    forces, times = result.path.reaction("lid")[:, 1], result.seal.terms()[0].environment.time
+    found = result.value("time_to_force_fraction")[0]
+    at = times.at([3, 4, 5, 6, 7, 8]) - 0.5
+    assert at[0] < found < at[-1]
+    k = int(np.searchsorted(at, found))
+    assert forces[2 + k] < 0.68 * forces[2] < forces[1 + k]
+    first = times.first[1] if k <= 3 else times.first[2]
+    begin = at[0] if k <= 3 else at[3]
+    log = np.log(first + np.array([at[k - 1], found, at[k]]) - begin)
+    part = (log[1] - log[0]) / (log[2] - log[0])
+    force = forces[1 + k] + part * (forces[2 + k] - forces[1 + k])
+    assert force == pytest.approx(0.68 * forces[2], rel=1e-12)
+    assert result.value("along_travel")[0] < found
+    assert not any("falls to" in text for text in result.warnings)
+
+
+@pytest.fixture(scope="module")
+def derivatives(result):
+    names = constants(result.seal)
+    return [sm.differentiate(result, names, None, how) for how in ("direct", "adjoint")]
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_derivatives_of_the_time(result, derivatives, name):
+    direct, adjoint = derivatives
+    column = direct.parameters.index(name)
+    for measure, (quotient, bound) in quotients(result.seal, name, STEPS[name]).items():
+        one, other = (np.atleast_2d(own[measure])[:, column] for own in (direct, adjoint))
+        size = np.abs(np.atleast_2d(direct[measure])).max()
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-11 * size)
+        assert np.all(np.abs(one - quotient) <= bound), measure
+        assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-2), measure
+
+
+def test_a_direction_that_turns_with_the_motion(result):
+    """Along the travel of the lid, whose first stage has a parameter across it."""
+    structure, contact, *others = result.seal.definitions
+    rates = np.zeros((1, *contact.motion.rates.shape[1:]))
+    rates[0, 1:, 0] = 1.0
+    motion = replace(contact.motion, rates=rates, names=("across",))
+    seal = replace(result.seal, definitions=(structure, replace(contact, motion=motion), *others))
+    swept = sm.analyze(seal, keep_factors=True)
+    quotient, bound = (own.item() for own in quotients(seal, "across", 1e-4)["along_travel"])
+    for how in ("direct", "adjoint"):
+        found = sm.differentiate(swept, ("across",), None, how)
+        exact = np.ravel(found["along_travel"])[found.parameters.index("across")]
+        assert abs(exact - quotient) <= bound
+        assert bound <= 1e-4 * abs(exact)
+
+
+def test_a_fraction_that_is_not_reached_is_no_number(tmp_path):
+    given = BLOCK.replace("fraction = 0.68", "fraction = 0.1")
+    result = sm.analyze(exact_seal(tmp_path, given), keep_factors=True)
+    forces = result.path.reaction("lid")[:, 1]
+    assert np.isnan(result.value("time_to_force_fraction")[0])
+    (said,) = [text for text in result.warnings if "falls to" in text]
+    assert f"falls to {forces[7] / forces[2]:.4g} of that at the end of stage 1 in 250 s of" in said
+    with pytest.raises(
+        sm.LoadPathError, match=r"time_to_force_fraction is not a number: .*falls to"
+    ):
+        result.admissible_values(result.measures())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("fraction = 0.68", "fraction = 1.5", "fraction"),
+        ("fraction = 0.68", "fraction = 0.68\nstage = 3", "no dwell follows it"),
+        ("fraction = 0.68", "fraction = 0.68\nstage = 4", "no dwell follows it"),
+        ("fraction = 0.68", "fraction = 0.68\nstage = 9", "but the path has 4 stages"),
+        ("fraction = 0.68", "fraction = 0.68\ntravel = 0.2", "travel beside stage"),
+        ("fraction = 0.68", "stage = 1", "the key 'fraction' is missing"),
+    ],
+)
+def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
+    with pytest.raises(sm.SealFileError, match=words):
+        read(tmp_path, BLOCK.replace(old, new))
+
+
+def test_a_seal_that_does_not_relax_has_none(tmp_path):
+    with pytest.raises(sm.SealFileError, match="needs a material that relaxes"):
+        read(tmp_path, text(FIXED, LID, MEASURES))
