@@ -13,7 +13,7 @@ from seal_mdao.tolerances.placement import with_clearance
 from seal_mdao.tolerances.study import ToleranceStudy
 
 FOUND = Path(__file__).parents[1] / "docs" / "benchmarks" / "tolerances.json"
-SAMPLES, SEED = 128, 77
+SAMPLES, SEED = 64, 77
 
 
 @pytest.fixture(scope="module")

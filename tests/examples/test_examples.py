@@ -18,6 +18,8 @@ TEXTS = {path: path.read_text(encoding="utf-8") for path in FILES}
 OPTIMISED = [path for path in FILES if "[optimize]" in TEXTS[path]]
 QUICK = ("d_bulb", "lip", "two_holes")
 LARGEST = "car_door_seal"
+AGAIN = "d_bulb"
+"""Optimised once more from its nominal section; the others take ten minutes to half an hour."""
 # the others that are optimised are tested as they are
 COARSE = [
     pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.long)
@@ -26,9 +28,9 @@ COARSE = [
 ]
 SHARE = 8
 """Of the load steps and of the travel that a coarse example has."""
-STEP = 5e-6
-"""Of a quotient of fourth order, relative to constants, mm along design parameters: its truncation is
-far below rounding, which over the step is 1e-6 of a derivative of its measure's size over 1000."""
+STEPS = (4e-4, 1e-4, 2e-5, 5e-6)
+"""Of quotients of fourth order, relative to constants, mm along design parameters. The largest with the
+same contact states is taken: its error of truncation is far below the rounding of the smallest."""
 
 
 def coarse(path):
@@ -91,21 +93,27 @@ def gradients_agree(seal, base=0.0, limit=1e-6):
         way = rng.uniform(-1.0, 1.0, seal.n_offsets + len(names))
         way[: seal.n_offsets] *= offsets
         way[seal.n_offsets :] *= values * (offsets == 0.0)
-        moved = [
-            sm.analyze(
-                seal, base + at * STEP * way[: seal.n_offsets],
-                dict(zip(names, values + at * STEP * way[seal.n_offsets :], strict=True)),
-            )
-            for at in (-2, -1, 1, 2)
-        ]  # fmt: skip
+
+        def at(distance, way=way):
+            return sm.analyze(
+                seal, base + distance * way[: seal.n_offsets],
+                dict(zip(names, values + distance * way[seal.n_offsets :], strict=True)),
+            )  # fmt: skip
+
+        for step in STEPS:
+            # the outer two first: where they have other contacts the inner two are of no use
+            outer = [at(side * 2.0 * step) for side in (-1, 1)]
+            if all(np.array_equal(states(m), states(result)) for m in outer):
+                break
+        moved = [outer[0], at(-step), at(step), outer[1]]
         assert all(np.array_equal(states(m), states(result)) for m in moved)
         for measure in measures:
             found = np.array([m.value(measure) for m in moved])
-            quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ found / (12.0 * STEP)
+            quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ found / (12.0 * step)
             exact = np.atleast_2d(sensitivities[measure.name])
             size = np.abs(exact * np.where(way == 0.0, 0.0, np.abs(way))).sum(axis=1).max()
             # the weights of the quotient, 1, 8, 8, 1 twelfths, add up to 1.5
-            rounding = 1.5 * relative * np.abs(found).max() / STEP
+            rounding = 1.5 * relative * np.abs(found).max() / step
             assert np.abs(quotient - exact @ way).max() <= limit * size + rounding, measure.name
 
 
@@ -163,9 +171,10 @@ def test_optima_of_the_examples(path, tmp_path):
     """Feasible KKT points as the page shows them, the same when read from their own files; designs on
     the way there may be at a kink of contact."""
     file = sm.read_seal_file(path)
-    seal, found = sm.build_seal(file), optimum(path.stem)
-    known = stored()[path.stem]
+    seal, known = sm.build_seal(file), stored()[path.stem]
     offsets = np.array(known["offsets"])
+    # begun at the stored design, an optimiser finds a better one unless that is an optimum
+    found = optimum(path.stem, None if path.stem == AGAIN else offsets)
     # the page shows four digits of the objective
     assert found["before"] == pytest.approx(known["before"], rel=5e-5)
     assert found["after"] == pytest.approx(known["after"], rel=5e-4, abs=1e-4 * known["before"])
