@@ -22,6 +22,7 @@ COMMANDS = {
     "animate": "make an animation of a seal that closes",
     "materials": "list rubbers by hardness and sponges by grade",
     "fit": "fit the constants of a rubber to tests",
+    "calibrate": "find constants of a seal from its measured force",
     "report": "write the HTML report of a recorder file",
     "history": "draw the figures of a recorder file",
     "examples": "list the examples, copy one",

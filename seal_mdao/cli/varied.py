@@ -1,7 +1,7 @@
 """What a sweep may vary: a parameter of the seal, the travel of a profile, any number of its file."""
 
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -96,22 +96,34 @@ def varied(file: SealFile, name: str) -> Varied:
     scalars = unchosen.scalars
     travels = {f"{own.name}_{TRAVEL}": own.name for own in file.profiles if own.travel}
     known = [*scalars, *travels]
+    own = parameter_name("--vary", name, known, f"; numbers of the file are {_listed(tables)}")
+    if own in travels and own not in scalars:
+        return _varied_travel(own, travels[own], file.path.parent)
+    return Varied(own, scalars[own].units or "", unchosen=unchosen)
+
+
+def parameter_name(option: str, name: str, known: Iterable[str], further: str = "") -> str:
+    """Find the parameter that a name, or the end of one, means.
+
+    Raises
+    ------
+    WrongArgumentError
+        For a name of nothing, or of more than one; it begins with ``option`` and lists what there is,
+        and ``further`` things for a name of nothing.
+    """
     # a unique ending is enough: friction for plate_friction
     found = [name] if name in known else [own for own in known if own.endswith(f"_{name}")]
+    listed = ", ".join(known)
     if len(found) > 1:
         raise WrongArgumentError(
-            f"--vary: {name!r} may be {', '.join(found)}; the parameters are {', '.join(known)}"
+            f"{option}: {name!r} may be {', '.join(found)}; the parameters are {listed}"
         )
     if not found:
         close = suggestion(name, [*known, *(own.rpartition("_")[2] for own in known)])
         raise WrongArgumentError(
-            f"--vary: there is no parameter {name!r}{close}; the parameters are "
-            f"{', '.join(known)}; numbers of the file are {_listed(tables)}"
+            f"{option}: there is no parameter {name!r}{close}; the parameters are {listed}{further}"
         )
-    (own,) = found
-    if own in travels and own not in scalars:
-        return _varied_travel(own, travels[own], file.path.parent)
-    return Varied(own, scalars[own].units or "", unchosen=unchosen)
+    return found[0]
 
 
 def _varied_travel(name: str, profile: str, folder: Path) -> Varied:

@@ -17,6 +17,7 @@ _FUNCTIONS = {
     "iteration_curves": "cost_history objective_history constraint_history",
     "derivative_errors": "sensitivity_errors step_study",
     "material_figures": "material_fit calibration_figure",
+    "calibration_curves": "force_calibration",
     "relaxation_figures": "relaxation_fit",
     "softening_figures": "softening_fit",
     "target_figures": "force_targets",

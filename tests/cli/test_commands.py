@@ -110,6 +110,7 @@ def test_ctrl_c_while_modules_are_imported(monkeypatch, capsys):
 
 ENOUGH = {
     "examples": (), "materials": (), "new": ("mine",), "fit": ("tests.csv", "--law", "yeoh"),
+    "calibrate": ("bulb.toml", "force.csv", "--find", "c10"),
     "compare": ("bulb.toml", "bulb.toml"), "sweep": ("bulb.toml", "--vary", "friction", "0.1:0.2:2"),
 }  # fmt: skip
 """Arguments with which a subcommand starts, where they are not one file."""
