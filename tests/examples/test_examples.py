@@ -29,8 +29,10 @@ COARSE = [
 SHARE = 8
 """Of the load steps and of the travel that a coarse example has."""
 STEPS = (4e-4, 1e-4, 2e-5, 5e-6)
-"""Of quotients of fourth order, relative to constants, mm along design parameters. The largest with the
-same contact states is taken: its error of truncation is far below the rounding of the smallest."""
+"""Of quotients of fourth order: relative to constants; the last three in mm along design parameters,
+over which measures are less linear. The largest with the same contact states is taken. Its error of
+truncation is below 1e-7 of the derivative (``sealed_bulb``: 1.4e-8 at 1e-4 mm, at twice that 16 times
+as much)."""
 
 
 def coarse(path):
@@ -100,7 +102,7 @@ def gradients_agree(seal, base=0.0, limit=1e-6):
                 dict(zip(names, values + distance * way[seal.n_offsets :], strict=True)),
             )  # fmt: skip
 
-        for step in STEPS:
+        for step in STEPS[1:] if offsets else STEPS:
             # the outer two first: where they have other contacts the inner two are of no use
             outer = [at(side * 2.0 * step) for side in (-1, 1)]
             if all(np.array_equal(states(m), states(result)) for m in outer):
