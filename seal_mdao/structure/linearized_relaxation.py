@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from seal_mdao.structure.linearized_history import HistorySeeds, LinearizedHistory
-from seal_mdao.structure.relaxation import RelaxationHistory, advanced, carried
+from seal_mdao.structure.relaxation import RegionRates, RelaxationHistory, advanced, carried
 from seal_mdao.structure.second_stress import (
     along_gradient,
     green_rates,
@@ -44,24 +44,36 @@ class LinearizedRelaxation(LinearizedHistory):
         return {number: second_stress(self.f, *row) for number, row in enumerate(rows) if row.any()}
 
     @cached_property
-    def coefficient_rates(self) -> dict:
-        """Derivatives of the coefficients by the number of the parameter."""
-        found = self.term.material_history.rates(self.before.fraction, self.step.fraction)
-        return {self.term.names.index(name): own for name, own in found.items()}
+    def coefficient_rates(self) -> list:
+        """Derivatives of the coefficients of the regions that relax."""
+        term = self.term
+        return term.material_history.rates(term.names, self.before.fraction, self.step.fraction)
+
+    def _by_cell(self, values: np.ndarray, axis: int = 0) -> np.ndarray:
+        """View arrays with the axes (n_columns, q) from ``axis`` on as (n_cells, q of a cell)."""
+        lead, rest = values.shape[:axis], values.shape[axis + 2 :]
+        return values.reshape(*lead, *self.term.cells.weights.shape, *rest)
+
+    def _carried(self, own: RegionRates):
+        """Return Q_i (n, n_cells, q, c), and S and S+ (n_cells, q, c) in the cells of a region."""
+        viscous = self._by_cell(self.before.viscous, 1)[: len(own.keep), own.at]
+        both = self.before.stress, self.response.history.stress
+        return viscous, *(self._by_cell(values)[own.at] for values in both)
 
     # ---- direct ----
 
     def stress_rates(self, design, history):
-        # H' of the history and of the coefficients
-        on_stress = carried(history, self.response.coefficients)
-        law = self.response.history.stress
-        on_law = np.zeros_like(on_stress)
-        for number, own in self.coefficient_rates.items():
-            rate = design.parameters[number]
-            on_stress += carried(self.before, own)[..., None] * rate
-            on_law += (own.factor[..., None] * law)[..., None] * rate
+        # H' of the history
+        out = carried(history, self.response.coefficients)
+        for own in self.coefficient_rates:
+            keep, take, factor = own.along(design.parameters)
+            viscous, stress, law = self._carried(own)
+            # sum_i (a_i' Q_i - b_i' S), and k' S+
+            more = np.tensordot(viscous, keep, (0, 0))
+            more += law[..., None] * factor - stress[..., None] * take.sum(axis=0)
+            self._by_cell(out)[own.at] += more
         # F H' + k' P(F),  P(F) = F S
-        return along_gradient(self.f, on_stress + on_law)
+        return along_gradient(self.f, out)
 
     def passed_rates(self, design, history, gradient):
         # S+' = D : E' + dS/dc c'
@@ -70,9 +82,12 @@ class LinearizedRelaxation(LinearizedHistory):
             stress += own[..., None] * design.parameters[number]
         # Q_i+' = a_i Q_i' + b_i (S+' - S') + a_i' Q_i + b_i' (S+ - S)
         passed = advanced(history, self.response.coefficients, stress, self.step.fraction)
-        for number, own in self.coefficient_rates.items():
-            more = advanced(self.before, own, self.response.history.stress, 0.0).viscous
-            passed.viscous[:] += more[..., None] * design.parameters[number]
+        for own in self.coefficient_rates:
+            keep, take, _ = own.along(design.parameters)
+            viscous, stress, law = self._carried(own)
+            for i in range(len(keep)):
+                more = viscous[i][..., None] * keep[i] + (law - stress)[..., None] * take[i]
+                self._by_cell(passed.viscous[i])[own.at] += more
         return passed
 
     # ---- adjoint ----
@@ -102,16 +117,14 @@ class LinearizedRelaxation(LinearizedHistory):
         for number, own in self.by_constants.items():
             # s : dS/dc
             design.parameters[number] += np.einsum("cqi,cqim->m", own, on_stress)
-        before, stress = self.before, self.response.history.stress
-        # a_i_bar = G_i : Q_i,  b_i_bar = G_i : (S+ - S),  k_bar = w e : P(F) = H_bar : S+
-        on_keep = np.einsum("ncqi,ncqim->ncqm", before.viscous, both)
-        on_take = np.einsum("cqi,ncqim->ncqm", stress - before.stress, both)
-        on_factor = np.einsum("cqi,cqim->cqm", stress, on_carried)
-        # k = e + sum_i b_i: of b_i alone, P has S+ - S, of which S+ is in k
-        on_take -= on_factor
-        for number, own in self.coefficient_rates.items():
-            design.parameters[number] += (
-                np.einsum("ncq,ncqm->m", own.keep, on_keep)
-                + np.einsum("ncq,ncqm->m", own.take, on_take)
-                + np.einsum("cq,cqm->m", own.factor, on_factor)
-            )
+        for own in self.coefficient_rates:
+            viscous, stress, law = self._carried(own)
+            # a_i_bar = G_i : Q_i,  b_i_bar = G_i : (S+ - S),  k_bar = w e : P(F) = H_bar : S+
+            given = self._by_cell(both, 1)[: len(own.keep), own.at]
+            on_keep = np.einsum("ncqi,ncqim->nm", viscous, given)
+            on_take = np.einsum("cqi,ncqim->nm", law - stress, given)
+            on_factor = np.einsum("cqi,cqim->m", law, self._by_cell(on_carried)[own.at])
+            # k = e + sum_i b_i: of b_i alone, P has S+ - S, of which S+ is in k
+            on_take -= on_factor
+            seeds = own.keep.T @ on_keep + own.take.T @ on_take + np.outer(own.factor, on_factor)
+            np.add.at(design.parameters, own.numbers, seeds)

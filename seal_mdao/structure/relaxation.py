@@ -40,7 +40,7 @@ class RelaxationHistory(NamedTuple):
 
 
 class CellCoefficients(NamedTuple):
-    """Coefficients of one load step at the quadrature points, or rates of them.
+    """Coefficients of one load step at the quadrature points.
 
     Attributes
     ----------
@@ -53,6 +53,32 @@ class CellCoefficients(NamedTuple):
     factor: np.ndarray
     keep: np.ndarray
     take: np.ndarray
+
+
+class RegionRates(NamedTuple):
+    """Derivatives of the coefficients of a region in R parameters.
+
+    Attributes
+    ----------
+    at : ndarray or slice
+        Cells of the region.
+    numbers : ndarray of int, shape (R,)
+        Of the parameters.
+    factor : ndarray, shape (R,)
+    keep, take : ndarray, shape (n, R)
+        With the n terms of the region's series.
+    """
+
+    at: np.ndarray | slice
+    numbers: np.ndarray
+    factor: np.ndarray
+    keep: np.ndarray
+    take: np.ndarray
+
+    def along(self, parameters: np.ndarray):
+        """Rates a_i' (n, P), b_i' (n, P) and k' (P,) along rates of all parameters (C, P)."""
+        own = parameters[self.numbers]
+        return self.keep @ own, self.take @ own, self.factor @ own
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,13 +166,13 @@ class Relaxation:
             found[TEMPERATURE] = _times(by_heat, np.mean(ends, keepdims=True))
         return found
 
-    def _at_points(self, by_region, other: float) -> CellCoefficients:
-        """Spread coefficients of the regions to the quadrature points; ``other`` is the factor of
-        regions that have none."""
+    def coefficients(self, before: float, fraction: float) -> CellCoefficients:
+        """Coefficients of the step between two path parameters; k = 1 where nothing relaxes."""
         shape = self.cells.weights.shape
-        factor = np.full(shape, other)
+        factor = np.ones(shape)
         keep, take = (np.zeros((self.n_terms, *shape)) for _ in range(2))
-        for region, own in zip(self.definition.regions, by_region, strict=True):
+        for region in self.definition.regions:
+            own = self.of_region(region, before, fraction)
             if own is not None:
                 count = len(own.keep)
                 factor[region.at] = own.factor[0]
@@ -157,17 +183,25 @@ class Relaxation:
             factor.reshape(points), keep.reshape(-1, *points), take.reshape(-1, *points)
         )
 
-    def coefficients(self, before: float, fraction: float) -> CellCoefficients:
-        """Coefficients of the step between two path parameters."""
-        regions = self.definition.regions
-        return self._at_points([self.of_region(r, before, fraction) for r in regions], 1.0)
+    def rates(self, names, before: float, fraction: float) -> list["RegionRates"]:
+        """Differentiate the coefficients of a step, which are the same at all points of a region.
 
-    def rates(self, before: float, fraction: float) -> dict[str, CellCoefficients]:
-        """Derivatives of the coefficients by the names of the parameters."""
-        regions = self.definition.regions
-        found = [self.rates_of_region(region, before, fraction) for region in regions]
-        names = dict.fromkeys(name for own in found for name in own)
-        return {name: self._at_points([own.get(name) for own in found], 0.0) for name in names}
+        Parameters
+        ----------
+        names : sequence of str
+            All parameters of the body.
+        """
+        found = []
+        for region in self.definition.regions:
+            own = self.rates_of_region(region, before, fraction)
+            if own:
+                numbers = np.array([names.index(name) for name in own])
+                factor, keep, take = (
+                    np.array([part[..., 0] for part in parts])
+                    for parts in zip(*own.values(), strict=True)
+                )
+                found.append(RegionRates(region.at, numbers, factor, keep.T, take.T))
+        return found
 
     def no_history(self, *count: int) -> RelaxationHistory:
         """History of the undeformed state; with a ``count`` of columns, rates that are zero."""
