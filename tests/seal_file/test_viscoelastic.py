@@ -5,6 +5,7 @@ import pytest
 from block_files import DESIGN, FIXED, LID, MOVED, exact_seal, foam, read, text, with_model
 from quotients import quotients
 from ring_files import ring
+from two_rubbers import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.plotting.field import fine_grid
@@ -54,6 +55,38 @@ HELD = relaxing(
              "stage = [{ translate = [0.3, -0.4], rotate = 4.0, steps = 3, duration = 0.5 },\n"
              "  { steps = 3, duration = 50.0 }, { translate = [0, 0.2], steps = 2, duration = 1.0 }]\n"),
 )  # fmt: skip
+
+
+TWO = (
+    """
+[material.soft]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 2e3
+[material.soft.viscoelastic]
+g = [0.3, 0.2]
+tau = [1.0, 100.0]
+[material.stiff]
+law = "mooney_rivlin"
+c10 = 320.0
+c01 = 80.0
+bulk_modulus = 6e3
+[material.stiff.viscoelastic]
+g = [0.4]
+tau = [5.0]
+"""
+    + pressed_block(1.0)
+    .replace("friction = 0.0", "friction = 0.2")
+    .replace(
+        "steps = 4\n",
+        "steps = 3\nduration = 0.5\n[[profile.stage]]\nsteps = 3\nduration = 50.0\n"
+        "[[profile.stage]]\ntranslate = [0.0, 0.1]\nsteps = 2\nduration = 1.0\n",
+    )
+    + '[[design]]\nedges = ["top"]\nparameters = 4\nbound = 0.3\n[[measure]]\ntype = "reaction"\n'
+    + MEASURES
+)
+"""Two rubbers with series of different lengths."""
 
 
 def analyzed(folder, content, **parameters):
@@ -114,6 +147,25 @@ def test_derivatives_are_those_of_the_path(seal, result, name):
         assert np.all(np.abs(one - quotient) <= bound), measure
         # a quotient that says nothing proves nothing; forces of points that stick know no friction
         assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-2), measure
+
+
+def test_every_rubber_has_its_series(tmp_path):
+    """Direct, adjoint and quotients in constants of two rubbers with series of different lengths."""
+    seal = exact_seal(tmp_path, TWO)
+    result = sm.analyze(seal, keep_factors=True)
+    direct, adjoint = (
+        sm.differentiate(result, constants(seal), None, method) for method in ("direct", "adjoint")
+    )
+    steps = {"soft_g_1": 1e-4, "soft_tau_2": 1e-1, "stiff_g_1": 1e-4, "stiff_tau_1": 1e-3}
+    for measure in seal.standard:
+        one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-10 * np.abs(one).max())
+    for name, step in steps.items():
+        column = direct.parameters.index(name)
+        for measure, (quotient, bound) in quotients(seal, name, step).items():
+            one = np.atleast_2d(direct[measure])[:, column]
+            assert np.all(np.abs(one - quotient) <= bound), (name, measure)
+            assert bound.max() <= 1e-4 * np.abs(one).max(), (name, measure)
 
 
 def test_the_lid_that_rests_needs_no_smaller_steps(result):
