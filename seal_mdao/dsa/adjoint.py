@@ -93,7 +93,8 @@ class AdjointSweep:
             Seeds on the histories with which the step began.
         """
         which = np.empty(0, int) if seeds is None else np.flatnonzero(seeds.used)
-        taken = {} if seeds is None else seeds.terms
+        # seeds may all be zero, as those of work where a profile turns back
+        taken = seeds.terms if which.size else {}
         # L of every term at the step
         terms = [term.linearization(step, following, which.size > 0) for term in self.problem.terms]
         # (h+_bar, o_bar) of every term

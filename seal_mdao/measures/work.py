@@ -82,9 +82,10 @@ class ProfileWork(Measure):
         return value
 
     def _ends(self, result) -> tuple[int, int]:
-        """Numbers of nominal steps up to the ends of both stages."""
+        """Numbers of nominal steps up to the ends of both stages, as far as the path goes."""
+        completed = len(result.path.nominal_steps)
         first, last = (end_of_stage(result, own) if own else 0 for own in self.stages)
-        return first, last
+        return min(first, completed), min(last, completed)
 
 
 def _travels(poses: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ import seal_mdao as sm
 from seal_mdao.materials.softening import step_potential
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.plotting.field import fine_grid
+from seal_mdao.seals.penalty_error import SMALL
 
 SOFTENING = "\nsoftening = { r = 2.0, m = 2.0, beta = 0.1 }\n"
 MEASURES = """\
@@ -137,6 +138,31 @@ def test_the_first_loading_is_elastic_and_the_way_back_is_not(tmp_path):
     assert np.all(soft[5:8] < 0.9 * elastic[5:8])
     np.testing.assert_allclose(soft[8:10], soft[[6, 5]], rtol=1e-9)
     np.testing.assert_allclose(soft[10:], elastic[10:], rtol=1e-9)
+
+
+def test_work_of_stages_where_the_lid_turns_back(tmp_path):
+    """At the turn half of the increments before and after cancel: the force there does no work, and has
+    no seed in the adjoint method. The work has a scale for its errors, though the path is longer."""
+    stages = (
+        "\nstage = [{ translate = [0, -0.5], steps = 2 }, { translate = [0, 0.5], steps = 2 }]\n"
+    )
+    loss = '[[measure]]\ntype = "profile_work"\nstage = {}\n'
+    # inclined: some points never touch
+    lid = LID.replace("[[-9, 0], [9, 0]]", "[[-9, -0.9], [9, 0.9]]").replace("4.02", "4.45")
+    for ends in ([0, 2], [1, 2]):
+        given = softening(text(FIXED, lid, DESIGN, loss.format(ends)), stages=stages)
+        result = sm.analyze(exact_seal(tmp_path, given), keep_factors=True)
+        measure = next(own for own in result.measures() if own.name == "profile_work")
+        direct, adjoint = (
+            sm.differentiate(result, ("c10", "lid_friction"), [measure], method)[measure.name]
+            for method in ("direct", "adjoint")
+        )
+        np.testing.assert_allclose(direct, adjoint, rtol=0.0, atol=1e-10 * np.abs(direct).max())
+        # 1 % of the largest work since the first of the stages
+        works = [abs(part.value(measure)[0]) for part in result.up_to_each_step()]
+        assert len(works) == 4
+        error = result.penalty_error[measure.name]
+        assert error.scale == max(works[-1], SMALL * max(works))
 
 
 def test_hysteresis_loss(tmp_path):
