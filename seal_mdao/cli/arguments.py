@@ -334,7 +334,8 @@ def critical_table(result) -> list[dict]:
     """Tabulate the critical points for summary.json."""
     return [
         {
-            "travel_mm": point.travel, "kind": point.kind, "moved_mm": point.moved,
+            "stage": point.stage or None, "travel_mm": point.travel, "kind": point.kind,
+            "moved_mm": point.moved,
             f"released_{result.seal.units.energy_key}": point.released,
         }
         for point in result.critical_points

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from seal_mdao.seals.profiles import stage_number
 from seal_mdao.seals.result_units import PLANE
 from seal_mdao.terms.point_assembly import interpolate
 
@@ -32,6 +33,8 @@ class Instability:
         Whether that is a lower bound of it, as with friction.
     unit : str
         Of the energy.
+    stage : int
+        Number of its stage, from 1; 0 where the path has a single one.
     """
 
     fraction: float
@@ -42,13 +45,16 @@ class Instability:
     released: float
     lower_bound: bool
     unit: str = PLANE.energy
+    stage: int = 0
 
     @property
     def text(self) -> str:
         """One line."""
         place = f"load step {self.fraction:.4g}"
         if np.isfinite(self.travel):
-            place = f"travel {self.travel:.3f} mm"
+            place = f"travel {self.travel:.3f} mm" + (
+                f" of stage {self.stage}" if self.stage else ""
+            )
         if self.kind == "unsymmetric":
             return (
                 f"equilibrium may not be stable from {place} on: the determinant of the tangent is "
@@ -77,4 +83,5 @@ def _instability(result, point) -> Instability:
     return Instability(
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
         point.moved, point.released, not result.path.problem.symmetric, result.seal.units.energy,
+        stage_number(result.seal, point.fraction),
     )  # fmt: skip

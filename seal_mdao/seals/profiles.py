@@ -237,6 +237,16 @@ def stage_index(seal, fraction: float) -> np.ndarray | None:
     return here - _waypoints(motion)[stage]
 
 
+def stage_number(seal, fraction: float) -> int:
+    """Return the number, from 1, of the stage of the leading profile in which a path parameter lies; 0
+    for paths of a single stage or without profiles."""
+    motion = leading_motion(seal)
+    if motion is None or len(motion.steps) == 1:
+        return 0
+    # the step from 0 that ends at or after it
+    return int(stage_of(motion, np.ceil(fraction) - 1))
+
+
 def stage_travel(seal, fraction: float) -> float:
     """Return the travel of the leading profile since its stage began, mm; NaN without profiles.
 

@@ -1,5 +1,7 @@
 """What happened at the profiles: stages, travel, load_segments of there and back, contact."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from energy_bounds import energy_bounds
@@ -8,11 +10,13 @@ from two_profiles import two_profiles
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.contact_pressure import ContactWidth
+from seal_mdao.seals.instabilities import Instability
 from seal_mdao.seals.profiles import (
     contacts,
     leading_motion,
     load_segments,
     profile_histories,
+    stage_number,
     stage_of,
     true_pressure,
 )
@@ -54,6 +58,19 @@ def test_turns_are_counted_in_degrees_and_rests_join():
     assert turning.along == pytest.approx([0.0, 15.0, 30.0, 30.0, 20.0])
     assert not both.turns
     assert both.along == pytest.approx([1.0])
+
+
+def test_a_loss_of_stability_names_its_stage():
+    """Its travel is counted from the start of the stage; a path of one stage has no number."""
+    seal = two_profiles(0.2)
+    ends = np.cumsum(leading_motion(seal).steps)
+    assert len(ends) > 2
+    at = [0.5, ends[0], ends[0] + 1e-9, ends[1]]
+    assert [stage_number(seal, fraction) for fraction in at] == [1, 1, 2, 2]
+    assert stage_number(sm.door_seal(), 1.0) == 0
+    point = Instability(3.0, 1.5, "branch", np.zeros((1, 2)), 0.0, 0.0, False, stage=2)
+    assert "from travel 1.500 mm of stage 2 on" in point.text
+    assert "from travel 1.500 mm on" in replace(point, stage=0).text
 
 
 def test_stage_of_a_step():
