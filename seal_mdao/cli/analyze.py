@@ -272,7 +272,7 @@ def report(result: SealResult, summary: dict) -> None:
         f"{summary['wall_s']:.2f} s"
     )
     if summary["conditions"]:
-        print(f"results are for {conditions_text(summary['conditions'])}")
+        print(f"conditions at the end of the path: {conditions_text(summary['conditions'])}")
     units = result.seal.units
     if units.radius:
         print(f"N/mm: N {units.along}")

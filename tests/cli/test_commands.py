@@ -298,7 +298,9 @@ def test_analyses_and_captions_say_at_which_temperature_they_are(
     assert main(["analyze", str(bulb), "--no-vtu", "--out", str(out)]) == 0
     conditions = json.loads((out / "summary.json").read_text())["conditions"]
     assert conditions == {"temperature_degC": 60.0, "swelling": 1.02}
-    assert "\nresults are for 60 degC, swelling 1.02\n" in capsys.readouterr().out
+    assert (
+        "\nconditions at the end of the path: 60 degC, swelling 1.02\n" in capsys.readouterr().out
+    )
     named = "bulb: rubber (Mooney-Rivlin), 60 degC, swelling 1.02"
     assert set(drawn) == {f"{named} | 2023-11-14"}
     drawn.clear()
@@ -316,7 +318,7 @@ def test_analyses_and_captions_say_at_which_temperature_they_are(
 
 def test_without_an_environment_nothing_is_said_about_it(bulb, tmp_path, capsys):
     assert main(["analyze", str(bulb), "--no-vtu", "--out", str(tmp_path / "out")]) == 0
-    assert "results are for" not in capsys.readouterr().out
+    assert "conditions at the end" not in capsys.readouterr().out
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["conditions"] == {}
 
 
