@@ -7,11 +7,7 @@ With the computed forces F_i(p) at the readings, the measured ones M_i and the l
 with q_k from 1 / FACTOR to FACTOR, by Gauss-Newton steps in a trust region
 (scipy.optimize.least_squares) with the exact J_ik = dr_i/dq_k = p_0k / M dF_i/dp_k. Parameters keep
 their signs. A trial that the seal refuses, or whose path is not completed, is answered with a shorter
-step. With n readings and k parameters
-
-    s^2 = sum_i r_i^2 / (n - k),    covariance of q = s^2 (J^T J)^-1
-
-to first order at the optimum (G. A. F. Seber, C. J. Wild, *Nonlinear Regression*, 1989, Sect. 2.1).
+step. The standard errors are those of ``calibration.standard_errors``.
 """
 
 from collections.abc import Callable
@@ -20,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
+from seal_mdao.calibration.standard_errors import standard_errors
 from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
 from seal_mdao.measures.reaction import Reaction
@@ -31,8 +28,6 @@ FACTOR = 10.0
 SMALL_GAIN, SMALL_STEP = 1e-5, 1e-9
 """Relative change of the sum of squares, or of the parameters, at which the iteration ends."""
 MOST_ANALYSES = 60
-DEGENERATE = 1e-8
-"""Ratio of the singular values of J below which a combination of the parameters is undetermined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +115,7 @@ def calibrate_force(
         problem.residual, one, problem.jacobian, (one / FACTOR, one * FACTOR), method="trf",
         ftol=SMALL_GAIN, xtol=SMALL_STEP, gtol=None, max_nfev=MOST_ANALYSES,
     )  # fmt: skip
-    errors, correlation = _standard_errors(found.jac, found.fun)
+    errors, correlation = standard_errors(found.fun, found.jac)
     start = problem.start
     return ForceCalibration(
         names, start, start * found.x, np.abs(start) * errors, correlation, measured, first.force,
@@ -201,17 +196,3 @@ class _LeastSquares:
         wanted = Wanted(result, (self.force,))
         rates = direct_rates(result, wanted, parameter_rates(still, self.names))
         return wanted.by_name(rates)[self.force.name] * self.start / self.largest
-
-
-def _standard_errors(jacobian: np.ndarray, residual: np.ndarray):
-    """Standard errors of q, and their correlation: s^2 (J^T J)^-1 from J = U S V^T."""
-    n, k = jacobian.shape
-    _, singular, v = np.linalg.svd(jacobian, full_matrices=False)
-    told = singular > DEGENERATE * singular[0]
-    covariance = (v[told].T / singular[told] ** 2) @ v[told]
-    deviations = np.sqrt(np.diag(covariance))
-    # parameters that a combination without any effect contains
-    lost = (np.abs(v[~told]) > np.sqrt(DEGENERATE)).any(axis=0)
-    s = np.sqrt(residual @ residual / (n - k))
-    size = np.where(deviations > 0.0, deviations, 1.0)
-    return np.where(lost, np.inf, s * deviations), covariance / np.outer(size, size)

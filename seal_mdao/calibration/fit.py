@@ -13,6 +13,7 @@ from seal_mdao.calibration.families import Family, family
 from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
 from seal_mdao.calibration.residuals import residuals
+from seal_mdao.calibration.standard_errors import standard_errors
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.softening import OgdenRoxburgh
 from seal_mdao.values import integer, real
@@ -275,23 +276,5 @@ def _sorted_terms(law):
 def uncertainty(differences, end: End):
     """Compute standard errors of the constants and their correlation."""
     names = end.unknowns
-    # covariance C = s^2 (A^T A)^-1,  s^2 = |r|^2 / (m - k),  A = dr/d(constants)
-    value, slope = differences(end.law, names)
-    free = max(value.size - len(names), 1)
-    length = np.linalg.norm(slope, axis=0)
-    size = 1.0 / np.where(length > 0.0, length, 1.0)
-    # columns of length one, so that the rank does not depend on units
-    scaled = slope * size
-    # (A^T A)^-1 = V S^-2 V^T over the singular values above rounding
-    _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
-    determined = singular > 1e-10 * singular[0]
-    inverse = (directions[determined].T / singular[determined] ** 2) @ directions[determined]
-    # sigma_i = s sqrt(C_ii); the columns are unscaled on return
-    deviation = np.sqrt(np.diag(inverse) * (value @ value) / free)
-    # a constant with a component in the null space is not determined by the data
-    undetermined = np.any(np.abs(directions[~determined]) > 1e-6, axis=0)
-    root = np.sqrt(np.maximum(np.diag(inverse), 1e-300))
-    deviation = np.where(undetermined, np.inf, deviation)
-    # correlation C_ij / sqrt(C_ii C_jj)
-    correlation = inverse / np.outer(root, root)
-    return dict(zip(names, (deviation * size).tolist(), strict=True)), correlation
+    deviation, correlation = standard_errors(*differences(end.law, names))
+    return dict(zip(names, deviation.tolist(), strict=True)), correlation
