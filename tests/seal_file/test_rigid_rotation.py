@@ -14,7 +14,7 @@ HISTORIES = {
 }
 ANGLES = 20.0, 150.0
 """Of two turns; a body at rest would have other times, those of a dwell."""
-TIGHT = sm.NewtonOptions(tolerance=1e-11)
+TIGHT = sm.NewtonOptions(tolerance=1e-13)
 
 
 def moved(edge, pivot, angle, down, time):
@@ -62,8 +62,8 @@ def test_results_turn_with_the_body(turned):
     # at the end of the turn, and on the way back, with the history of both
     for step in (7, 9, 10):
         apart = np.abs(much.deformed(step) - little.deformed(step) @ Q.T).max()
-        assert apart < 1e-10, step
-        assert np.abs(turned_top[step] - top[step] @ Q.T).max() < 1e-10 * size, step
+        assert apart < 1e-12, step
+        assert np.abs(turned_top[step] - top[step] @ Q.T).max() < 1e-12 * size, step
     # the history acts: at the same place the force is another one than on the way in
     force = np.hypot(*top.T)
     assert force[9] < 0.95 * force[1]
