@@ -108,6 +108,7 @@ napoleon_use_ivar = True
 napoleon_use_rtype = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
+autodoc_use_type_comments = False  # there are none, and looking for them takes time
 add_module_names = False
 toc_object_entries = False
 

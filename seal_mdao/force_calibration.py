@@ -6,7 +6,7 @@ With the computed forces F_i(p) at the readings, the measured ones M_i and the l
 
 with q_k from 1 / FACTOR to FACTOR, by Gauss-Newton steps in a trust region
 (scipy.optimize.least_squares) with the exact J_ik = dr_i/dq_k = p_0k / M dF_i/dp_k. Parameters keep
-their signs. A trial that the seal refuses, or whose path is not completed, is answered with a shorter
+their signs. A trial that the seal refuses, or whose path is not completed, is followed by a shorter
 step. The standard errors are those of ``calibration.standard_errors``.
 """
 

@@ -55,7 +55,7 @@ class RobustGoal:
 
     @property
     def levels(self) -> tuple[float, float]:
-        """Quantiles of a measure in the scenarios that keep to its limits.
+        """Quantiles of a measure in the scenarios that satisfy its limits.
 
         They correspond to the required fraction of samples if measures are normally distributed; rounded
         to 0.1 %, because the names of outputs contain them.
@@ -162,7 +162,7 @@ class Robust:
         if limit.over != SHARE:
             ending = {DESIGN: "", DRAWING: "_scenarios", MEAN: "_mean"}[limit.over]
             return [(limit.measure + ending, limit.sides | more)]
-        # the low quantile keeps to the lower limit, the high one to the upper
+        # the low quantile satisfies the lower limit, the high one the upper
         names = dict(zip(("lower", "upper"), map(quantile_name, self.goal.levels), strict=True))
         return [
             (f"{limit.measure}_{names[side]}", {side: value} | more)

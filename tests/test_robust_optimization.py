@@ -114,8 +114,7 @@ def test_room_is_enough_for_a_boundary_that_is_off(seal):
 
 
 def test_limits_hold_where_they_are_asked_for():
-    """The low quantile of a fraction of all samples keeps to the lower limit, the high one to the
-    upper."""
+    """The low quantile of the samples satisfies the lower limit, the high one the upper."""
     robust = Robust(RobustGoal(widen=1.0), None)
     both = Limit("reaction", 40.0, 80.0, entry=1)
     assert robust.outputs(both) == [

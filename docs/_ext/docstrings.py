@@ -64,10 +64,13 @@ def table_keys(app, what, name, obj, options, lines) -> None:
 
 
 def quiet_types(app, what, name, obj, options, lines) -> None:
-    """Types that are phrases, such as "ndarray, shape (n, 2)", as text without references."""
+    """Types that are no class of the package, such as "ndarray, shape (n, 2)", without references.
+
+    Sphinx would look for each of them, a float too, among all names of the package.
+    """
     for i, line in enumerate(lines):
         found = TYPE_FIELD.match(line)
-        if found and not re.fullmatch(r"[\w.]+", found[2]):
+        if found and not re.fullmatch(r"(\w+\.)*[A-Z]\w*", found[2]):
             lines[i] = f"{found[1]}*{found[2]}*"
 
 

@@ -1,6 +1,6 @@
 """What stands for figures, texts and numbers that a build without figures lacks.
 
-Files are written where the pages look for them. The next build with figures makes them in earnest,
+Files are written where the pages look for them. The next build with figures replaces them,
 for only a group that was made has its sources recorded.
 """
 

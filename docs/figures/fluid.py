@@ -21,7 +21,7 @@ SQUEEZES = 0.25, 0.35, 0.45
 """Of the half ring on its flange, mm."""
 FLANGE_PRESSURE = 3750.0
 WETTED = 0.5
-"""Weight from which on a side is drawn as wetted."""
+"""Least weight of a side that is drawn as wetted."""
 
 
 def make(out: Path, reduced: bool) -> dict:

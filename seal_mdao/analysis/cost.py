@@ -166,7 +166,7 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
     if cost.seconds > 3600.0 * hours:
         raise TooLargeError(
             f"{what} {duration(cost.seconds)}, and more than {hours:g} h are refused; {fewer}, a "
-            f"smaller support, or set {HOURS} in the environment where that is meant"
+            f"smaller support, or set {HOURS} in the environment if this is intended"
         )
 
 

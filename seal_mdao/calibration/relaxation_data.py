@@ -207,6 +207,6 @@ def _curve(source, test, temperature, readings, force) -> RelaxationCurve:
         at = time[wrong[0]]
         raise MaterialDataError(
             f"{where}: {force} is zero or changes its sign at {at:g} s; the strain of a relaxation "
-            "test is held, so the force falls, but not to zero"
+            "test is constant, so the force falls, but not to zero"
         )
     return found

@@ -141,7 +141,7 @@ def _checked(found: RelaxationFit, given: bool) -> RelaxationFit:
     if not found.g.size:
         raise MaterialDataError(
             f"{source}: no relaxation is found: the force falls by less than its scatter, or rises; "
-            "the time has to count from the loading, and the strain to be held"
+            "the time has to count from the loading, and the strain has to be constant"
         )
     if found.long_term < NONE:
         cure = "shorter times tau" if given else "a longer test, or fewer terms (terms)"

@@ -1,6 +1,6 @@
 """Force of a relaxation test by the Prony series, with derivatives in its constants.
 
-At a stretch that is held, the stress of an incompressible rubber with the law of finite linear
+At a constant stretch, the stress of an incompressible rubber with the law of finite linear
 viscoelasticity (J. C. Simo, Comput. Methods Appl. Mech. Engrg. 60 (1987) 153) is
 
     P(t) = P_long (1 + sum_i beta_i psi_i(t)),    psi_i = exp(-t/theta_i),    theta_i = a(T) tau_i,

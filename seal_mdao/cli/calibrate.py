@@ -198,9 +198,9 @@ def arguments_parser():
     )
     made.add_argument(
         "csv", type=Path, metavar="CSV",
-        help=f"measured forces: columns {TRAVEL} (way of the profile from its first touch, which "
-        f"increases on the way back too) or {TIME} (from the start of the path), and force_N_per_m, of "
-        "a body of revolution force_N",
+        help=f"measured forces: columns {TRAVEL} (distance moved by the profile since its "
+        f"first touch, which increases during unloading too) or {TIME} (from the start of "
+        "the path), and force_N_per_m, of a body of revolution force_N",
     )  # fmt: skip
     made.add_argument(
         "--find", nargs="+", required=True, metavar="NAME",

@@ -25,7 +25,7 @@ from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
 
 ENOUGH = 5
-"""Points in contact from which on the peak is resolved to a few percent."""
+"""Least number of points in contact that resolve the peak to a few percent."""
 
 
 @dataclass(frozen=True)

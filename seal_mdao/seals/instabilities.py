@@ -28,7 +28,7 @@ class Instability:
         How far a particle moved from there to the equilibrium at which the path continues, mm; 0 where
         the path stays on the branch.
     released : float
-        Energy released on the way; NaN where nothing is known of it.
+        Energy released during the jump; NaN where it is unknown.
     lower_bound : bool
         Whether that is a lower bound of it, as with friction.
     unit : str

@@ -21,7 +21,7 @@ from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
 
 CORNER = np.cos(np.deg2rad(45.0))
-"""Cosine of the angle between two edges from which on the particle between them is a corner."""
+"""Cosine of the least angle between two edges that makes the particle between them a corner."""
 
 STRAIGHT = 1e-9
 """Bend h^2 |X''| of an edge over its length, below which it is rounding."""

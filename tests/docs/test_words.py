@@ -28,6 +28,12 @@ PRIVATE = {
     r"lie in each other": "penetration",
     r"twice as far": "with numbers and units",
     r"lies in wait": "occurs",
+    r"held (on all sides|all round|alike|axially)": "confined, constrained",
+    r"keeps? to (its|the) (\w+ )?limits?": "satisfies the limit",
+    r"from which on": "the least ... that",
+    r"(is|are) answered with": "the error gives, is followed by",
+    r"in earnest": "name what is done",
+    r"where that is meant": "if this is intended",
 }
 """Phrase and what to write in its place."""
 PATTERNS = {re.compile(rf"\b({phrase})\b"): cure for phrase, cure in PRIVATE.items()}

@@ -1,4 +1,4 @@
-"""Rubber held all round under a uniform pressure: what the integration leaves of its stiffness."""
+"""Stiffness of confined rubber under a uniform pressure, with the error of the integration."""
 
 import numpy as np
 

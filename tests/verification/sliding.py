@@ -24,7 +24,7 @@ class DraggedBlock(NamedTuple):
     Attributes
     ----------
     travel : ndarray, shape (n_steps,)
-        Sideways position of the plane while the normal approach is held.
+        Sideways position of the plane while the normal approach is constant.
     ratio : ndarray, shape (n_steps,)
         Tangential over normal force on the plane; mu in full slip, against the motion.
     slipping : ndarray of bool, shape (n_steps,)

@@ -111,7 +111,7 @@ class WrittenSection(Table):
     )
     quadrature: whole(*QUADRATURE) | None = key(
         f"with spacing: Gauss points along each direction of a cell, default {Kernels.n_gauss}; "
-        f"{QUADRATURE[1]} for rubber held on all sides at pressures above about nine shear moduli",
+        f"{QUADRATURE[1]} for rubber confined on all sides at pressures above about nine shear moduli",
         None,
     )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)

@@ -87,8 +87,8 @@ class OffsetDesign:
             return {name: _folded(part, own)}
         if self.between is None and self._part(sampled, image).left_out != part.left_out[::-1]:
             raise ValueError(
-                f"design: the edges {name!r} and {image!r} are mirror images, but their ends are not "
-                "held alike"
+                f"design: the edges {name!r} and {image!r} are mirror images, but only one "
+                "of them has a fixed end there"
             )
         # the offset at s of the image is that at c - s of the edge
         other = _basis(part, path, self.parameters, c - mirrored.along).T
