@@ -1,4 +1,4 @@
-"""Integral of a power of the contact pressure along a contact, an index of its tightness."""
+"""Integral of a power of the contact pressure along a contact, and the centre of that power."""
 
 from dataclasses import dataclass
 
@@ -60,3 +60,75 @@ class PressureIntegral(Measure):
         by_penalty = on_pressure @ points.value / points.penalty
         partials.parameter(points.term.names[0])[0] += by_penalty
         return length @ power
+
+
+AXES = ("x", "y")
+"""Coordinates of the section; of a body of revolution the radius and the axis."""
+
+
+@dataclass(frozen=True)
+class PressureCentre(Measure):
+    """Mean coordinate of the deformed contact, weighted by a power of the contact pressure, mm.
+
+    With n = 1 it is the centre of pressure, where the resultant of the normal forces on a flat profile
+    acts; with a large n the position of the peak, as a smooth function of the design. Without contact it
+    is not a number.
+
+    Attributes
+    ----------
+    profile : str
+    axis : {"x", "y"}
+    exponent : float
+        n, at least 1.
+
+    Raises
+    ------
+    ValueError
+        For another axis or an exponent below 1.
+    """
+
+    profile: str
+    axis: str = "x"
+    exponent: float = 1.0
+    name: str = "pressure_centre"
+    units = "mm"
+    text = "Mean coordinate of the deformed contact, weighted by pressure^exponent."
+
+    def __post_init__(self):
+        values.one_of(f"axis of {self.name!r}", self.axis, AXES)
+        values.real(f"exponent of {self.name!r}", self.exponent, 1.0)
+
+    def least_scale(self, result):
+        # positions are known in parts of the width in contact
+        points = PointPressures(result, self.profile, nominal=False)
+        length = points.term.where.lengths(result.deformed())
+        return float(length[points.value > 0.0].sum())
+
+    def missing(self, result):
+        if (result.response(self.profile).gap < 0.0).any():
+            return ""
+        return f"{self.name}: {self.profile!r} does not touch at the end of the path"
+
+    def evaluate(self, result, partials):
+        points = PointPressures(result, self.profile, nominal=False)
+        where, deformed = points.term.where, result.deformed()
+        peak = points.value.max()
+        if peak == 0.0:
+            return np.nan
+        # c = sum_i r_i^n l_i x_i / sum_i r_i^n l_i,  r = p / p_max: a constant factor has no effect, so
+        # dc/dw_n = 0 at constant gaps
+        n, ratio, length = self.exponent, points.value / peak, where.lengths(deformed)
+        row = AXES.index(self.axis)
+        x, power = where.points.at(deformed)[:, row], ratio**n
+        total = power @ length
+        centre = (power * length) @ x / total
+        # dc/dp_i = n r_i^(n - 1) l_i (x_i - c) / (p_max sum_j r_j^n l_j)
+        away = (x - centre) / total
+        points.add_partials(partials, 0, n * ratio ** (n - 1.0) * length * away / peak)
+        # dc/dl_i = r_i^n (x_i - c) / sum,  dc/dx_i = r_i^n l_i / sum
+        on_deformed, on_points = np.zeros_like(deformed), np.zeros((len(x), 2))
+        where.add_length_seeds(deformed, (power * away)[:, None], on_deformed[:, :, None])
+        on_points[:, row] = power * length / total
+        where.points.add_seeds(deformed, on_points[:, :, None], on_deformed[:, :, None])
+        add_deformed_seeds(partials, 0, on_deformed)
+        return centre

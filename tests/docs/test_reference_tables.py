@@ -19,7 +19,7 @@ def test_every_measure_is_in_the_table_with_its_units(docs_module):
 
 def test_every_class_of_measures_is_in_the_table(docs_module):
     table = docs_module("code_reference").measure_classes()
-    assert table.count("{py:class}") == 30
+    assert table.count("{py:class}") == 31
     for name in ("mJ/m", "mm**3", "kPa", "N/m", "mm**3/s/m", "g/m"):
         assert f"`{name}`" in table
 

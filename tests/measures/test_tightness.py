@@ -7,7 +7,7 @@ import pytest
 from quotients import quotients
 
 import seal_mdao as sm
-from seal_mdao.measures.contact_integral import PressureIntegral
+from seal_mdao.measures.contact_integral import PressureCentre, PressureIntegral
 from seal_mdao.measures.contact_pressure import ContactWidth, PointPressures
 from seal_mdao.measures.longest_contact import LongestContact, fractions_above, longest_part
 
@@ -15,7 +15,9 @@ TIGHT = sm.NewtonOptions(tolerance=1e-12)
 INTEGRAL = PressureIntegral("door", 1.5, 20.0)
 LONGEST = LongestContact("door", name="longest")
 ABOVE = LongestContact("door", 15.0, name="above")
-MEASURES = INTEGRAL, LONGEST, ABOVE
+CENTRE = PressureCentre("door", name="centre")
+PEAK = PressureCentre("door", "y", 6.0, name="peak")
+MEASURES = INTEGRAL, LONGEST, ABOVE, CENTRE, PEAK
 NAMES = ("depth", "door_radius", "friction", "normal_penalty", "c10")
 SEALS = {
     "particles": sm.door_seal(n_steps=20, newton=TIGHT),
@@ -108,6 +110,23 @@ def test_a_part_may_pass_the_end_of_a_closed_boundary():
     assert not longest_part(np.zeros(8, bool), 0.0 * length, closed=True).any()
 
 
+def test_centre_of_the_pressure(result):
+    """The moment of the normal forces of the points about it is zero; a large power is at the peak."""
+    pressure, length = points(result)
+    x = result.term("door").where.points.at(result.deformed())
+    moment = pressure * length @ (x[:, 0] - value(result, CENTRE))
+    assert abs(moment) < 1e-12 * (pressure * length).sum()
+    y = value(result, PressureCentre("door", "y", 1000.0))
+    assert y == pytest.approx(x[pressure.argmax(), 1], abs=1e-3)
+
+
+def test_without_contact_there_is_no_centre():
+    seal = SEALS["particles"]
+    opened = sm.analyze(seal, np.full(seal.n_offsets, -0.3), {"depth": 0.1})
+    assert np.isnan(value(opened, CENTRE))
+    assert "does not touch" in CENTRE.missing(opened)
+
+
 # ---- derivatives ----
 
 
@@ -134,7 +153,7 @@ def test_central_differences(result, name):
         own = rates[measure.name][0, rates.parameters.index(name)]
         quotient, bound = found[measure.name]
         assert abs(quotient[0] - own) <= bound[0] + 1e-9 * abs(own), measure
-        assert bound[0] <= 1e-4 * (abs(own) + value(result, measure) / max(size, 0.1)), measure
+        assert bound[0] <= 1e-4 * (abs(own) + abs(value(result, measure)) / max(size, 0.1)), measure
 
 
 def test_step_study_of_the_squeeze(result):
@@ -161,6 +180,8 @@ def test_step_study_of_the_squeeze(result):
         (lambda: PressureIntegral("door", 0.5, 1.0), "exponent"),
         (lambda: PressureIntegral("door", 1.5, 0.0), "reference_pressure"),
         (lambda: LongestContact("door", -1.0), "pressure"),
+        (lambda: PressureCentre("door", "z"), "axis"),
+        (lambda: PressureCentre("door", "x", 0.9), "exponent"),
     ],
 )
 def test_invalid_numbers_are_refused(made, match):

@@ -1,13 +1,13 @@
 """Types of measures of a seal file for the tightness of a contact."""
 
-from seal_mdao.measures.contact_integral import PressureIntegral
+from seal_mdao.measures.contact_integral import AXES, PressureCentre, PressureIntegral
 from seal_mdao.measures.longest_contact import LongestContact
-from seal_mdao.seals.file.forms import number
+from seal_mdao.seals.file.forms import number, one_of
 from seal_mdao.seals.file.leak_rate_table import KINDS
 from seal_mdao.seals.file.measure_table import OfProfile, kind
 from seal_mdao.seals.file.schema import key
 
-__all__ = ["KINDS", "LongestContactTable", "PressureIntegralTable"]
+__all__ = ["KINDS", "LongestContactTable", "PressureCentreTable", "PressureIntegralTable"]
 
 
 @kind("longest_contact", LongestContact)
@@ -23,3 +23,14 @@ class PressureIntegralTable(OfProfile):
 
     exponent: number(least=1.0, most=10.0) = key("power of the pressure")
     reference_pressure: number("kPa", above=0.0, most=1e9) = key("pressure that counts as 1")
+
+
+@kind("pressure_centre", PressureCentre)
+class PressureCentreTable(OfProfile):
+    """Mean coordinate of the deformed contact, weighted by a power of its pressure."""
+
+    axis: one_of(*AXES) | None = key("coordinate: x (of a ring the radius) unless given", None)
+    exponent: number(least=1.0, most=100.0) | None = key(
+        "power of the pressure: 1, the centre of pressure, unless given; 40: position of the peak",
+        None,
+    )
