@@ -26,7 +26,7 @@ from seal_mdao.seals.result import SealResult
 
 STRESS = "von Mises stress (kPa)"
 LEVELS = 20
-USUAL, PEAK = 0.99, 2.0
+USUAL, PEAK = 0.99, 1.25
 """Quantile of the stresses, and the multiple of it at which the colour scale ends at most."""
 FAR = 10.0
 """Length by which open profiles are extended beyond their ends, over the size of the section."""

@@ -26,7 +26,8 @@ from seal_mdao.seals.result import SealResult
 WIDTHS = (6.6, 9.0, 11.0)
 """Widths of figures with one, two or three and more columns, inches."""
 VISIBLE = 0.05
-"""Part of the forces of a panel below which the change in a dwell has no label."""
+"""Part of the forces of a panel below which the change in a dwell has no label, and above which the
+label of a force is clear of the zero line."""
 COMPONENTS = ((1, BLUE, "-"), (0, VERMILION, "--"))
 
 
@@ -68,7 +69,7 @@ def load_deflection(result: SealResult) -> Figure:
             axes.plot(travel[-1], own[-1], "o", color=color)
             axes.annotate(
                 signed(own[-1]), (travel[-1], own[-1]), xytext=(6, 0), textcoords="offset points",
-                va="center" if own[-1] > 0.0 else "top", color=color,  # keep off the zero line
+                va=_off_zero(own[-1], np.ptp(force)), color=color,
             )  # fmt: skip
         _label_dwells(
             axes, path_stages(result.seal), segment, travel, force[:, history.main_component]
@@ -78,6 +79,13 @@ def load_deflection(result: SealResult) -> Figure:
             add_length_axis(axes, result.seal.units)
     panels[0][2].legend(loc="best", title="component")
     return figure
+
+
+def _off_zero(value: float, span: float) -> str:
+    """Choose the vertical alignment of the label of a value, so that the zero line does not cross it."""
+    if value > VISIBLE * span:
+        return "center"
+    return "bottom" if value > 0.0 else "top"
 
 
 def _label_dwells(axes, stages, segment, travel: np.ndarray, force: np.ndarray) -> None:
@@ -169,7 +177,7 @@ def contact_width(result: SealResult) -> Figure:
         else:
             right.tick_params(right=False, labelright=False)
     words = ["deformed width", "nominal width", "true peak pressure", "nominal peak pressure"]
-    panels[0][2].legend(lines, words, loc="best")
+    figure.legend(lines, words, loc="outside upper center", ncols=2)
     return figure
 
 
@@ -178,8 +186,8 @@ def _true_and_nominal(axes, segment, true, nominal, color, style) -> list:
     lines = axes.plot(*_with_start(segment, true), color=color, linestyle=style, zorder=3)
     thin = {"linewidth": 0.8, "alpha": 0.7, "zorder": 2}
     lines += axes.plot(*_with_start(segment, nominal), color=color, linestyle=":", **thin)
-    # the axis starts at zero and leaves 12 % for the legend
-    axes.set_ylim(0.0, 1.12 * max(true.max(), nominal.max(), 1e-3))
+    # the axis starts at zero
+    axes.set_ylim(0.0, 1.05 * max(true.max(), nominal.max(), 1e-3))
     return lines
 
 
