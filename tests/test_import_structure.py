@@ -61,6 +61,14 @@ def test_folders_import_each_other_one_way():
     assert list(TopologicalSorter(folders(imports())).static_order())
 
 
+def test_live_section_is_imported_by_the_command_alone():
+    """Analyses need neither its server nor the library of that."""
+    graph = imports()
+    users = {folder(name) for name in graph if "studio" in map(folder, graph[name])}
+    assert users == {"cli", "studio"}
+    assert {folder(name) for name in graph if "tornado" in str(graph[name])} == {"studio"}
+
+
 def test_numerics_reach_no_openmdao():
     """Neither they nor anything that they import."""
     graph = imports()

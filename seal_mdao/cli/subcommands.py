@@ -14,6 +14,7 @@ COMMANDS = {
     "keys": "list tables of seal files, laws and measures, and their keys with units",
     "check": "read a seal file, fill its section, draw it, estimate the time of an analysis",
     "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
+    "studio": "change a seal by dragging on a local page: forces and stress at once",
     "optimize": "optimise the shape of a seal",
     "study": "sample the tolerances of a seal: distributions and correlations",
     "robust": "optimise a seal over its tolerances, compare with the nominal optimum",

@@ -136,20 +136,26 @@ class DirectSweep:
         measured : collection of int, optional
             Places of the steps to return; the last one when left out.
         """
-        every = self.path.steps
+        return dict(self.each({len(self.path.steps) - 1} if measured is None else measured))
+
+    def each(self, measured):
+        """Sweep the path; yield index and ``StepRates`` of each of the ``measured`` steps, in order.
+
+        The rates of one step at a time are in memory.
+        """
+        every, measured = self.path.steps, set(measured)
         # without history the steps do not depend on each other
-        measured = {len(every) - 1} if measured is None else set(measured)
         last = max(measured, default=-1)
         indices = range(last + 1) if self.problem.history_dependent else sorted(measured)
-        history, wanted = self.start(), {}
+        history = self.start()
         size = self.path.discretization.layout.n_equations
         # forces without history for a block of steps at once, then step by step
         for block in blocks(indices, size, self.rates.count):
             loads = self.explicit_loads([every[index] for index in block])
             for index, load in zip(block, loads, strict=True):
                 if index in measured:
-                    wanted[index] = self.step(every[index], history, load)
-                    history = wanted[index].history
+                    found = self.step(every[index], history, load)
+                    history = found.history
+                    yield index, found
                 else:
                     history = self.pass_by(every[index], every[index + 1], history, load)
-        return wanted

@@ -211,9 +211,13 @@ def _base(measure):
 
 def direct_rates(result, wanted: Wanted, rates: ParameterRates) -> np.ndarray:
     """Rates of all wanted measures, (M, P), by the direct method."""
-    stack, terms = wanted.stack, result.path.problem.terms
     sweep = DirectSweep(result.path, rates)
-    by_index = sweep.run(stack.seeds)
+    return rates_by_sweep(result, wanted, sweep, sweep.run(wanted.stack.seeds))
+
+
+def rates_by_sweep(result, wanted: Wanted, sweep: DirectSweep, by_index: dict) -> np.ndarray:
+    """Rates of all wanted measures, (M, P), from the ``StepRates`` of a sweep at their steps."""
+    stack, terms, rates = wanted.stack, result.path.problem.terms, sweep.rates
     # what measures take of X and of parameters directly
     out = np.einsum("mni,pni->mp", stack.particles, rates.velocity, optimize=True)
     for name, own in stack.parameters.items():

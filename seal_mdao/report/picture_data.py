@@ -152,11 +152,18 @@ def _tops(frames) -> np.ndarray:
 
 def _scales(seal, tops) -> list[dict]:
     """Colour scale of every material: its name (empty for a single one), end (kPa) and colours."""
-    names, at = seal.materials if len(tops) > 1 else [""], np.linspace(0.0, 1.0, COLOURS)
+    names = seal.materials if len(tops) > 1 else [""]
     return [
-        {"name": name, "top": float(top), "colours": [to_hex(c) for c in colormaps[colors](at)]}
-        for name, top, colors in zip(names, tops, itertools.cycle(STRESS_MAPS))
+        {"name": name, "top": float(top), "colours": colours}
+        for name, top, colours in zip(names, tops, stress_colours(seal), strict=False)
     ]
+
+
+def stress_colours(seal) -> list[list[str]]:
+    """List the colours of the stress scale of every material, from zero to its end."""
+    at = np.linspace(0.0, 1.0, COLOURS)
+    maps = itertools.islice(itertools.cycle(STRESS_MAPS), len(seal.definitions[0].regions))
+    return [[to_hex(c) for c in colormaps[colors](at)] for colors in maps]
 
 
 def _watched(fine: field.FineGrid) -> list[list[int]]:

@@ -63,16 +63,23 @@ def particle_stress(path, points: np.ndarray, step=None) -> PointStress:
     which, inverse = np.unique(points, return_inverse=True)
     table = disc.table_at(which).table
     f = np.array([deformation_gradients(table, own.d)[inverse] for own in steps])
-    stress, by_constants = np.empty(len(points)), {}
-    by_gradient = np.zeros((len(steps), len(points), disc.body.strains))
     # beyond the particles are midpoints of sides and centres of cells
     inside = points.size > 0 and points.max() >= disc.body.n_particles
     of_region = (structure.sample_regions if inside else structure.particle_regions)[points]
+    return point_stress(structure, f, of_region, steps)
+
+
+def point_stress(structure, f: np.ndarray, of_region: np.ndarray, steps: list) -> PointStress:
+    """Von Mises stress at any s points, of F there at converged steps (K, s, 5 or 6), as
+    ``deformation_gradients`` gives it; ``of_region`` (s,) has the numbers of their materials."""
+    count = f.shape[1]
+    stress, by_constants = np.empty(count), {}
+    by_gradient = np.zeros((len(steps), count, f.shape[2] - 1))
     for number, region in enumerate(structure.definition.regions):
         at = np.flatnonzero(of_region == number)
         if region.prony is None and region.softening is None:
             # a region without history beside others: the last step alone
-            value, on_f, rates = _von_mises(structure, region, f[-1, at], step.fraction)
+            value, on_f, rates = _von_mises(structure, region, f[-1, at], steps[-1].fraction)
             by_gradient[-1, at] = on_f
         else:
             fractions = [own.fraction for own in steps]
@@ -81,7 +88,7 @@ def particle_stress(path, points: np.ndarray, step=None) -> PointStress:
             by_gradient[:, at] = on_f
         stress[at] = value
         for name, row in rates:
-            by_constants.setdefault(name, np.zeros(len(points)))[at] += row
+            by_constants.setdefault(name, np.zeros(count))[at] += row
     return PointStress(stress, list(zip(steps, by_gradient, strict=True)), by_constants)
 
 

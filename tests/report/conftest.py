@@ -2,22 +2,16 @@
 
 import json
 import re
-import shutil
 
 import numpy as np
 import openmdao.api as om
 import pytest
+from headless_browser import browser as browser
 
 import seal_mdao as sm
 from seal_mdao.door_optimization import DoorProblem, door_task
 from seal_mdao.optimization import OPTIMIZERS, RunOptions, optimization_problem
 from seal_mdao.report.write import write_report
-
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "chrome")
-QUIET = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-)  # fmt: skip
 
 
 class Page:
@@ -59,22 +53,3 @@ def other_page(tmp_path_factory):
     problem.run_driver()
     problem.cleanup()
     return Page(write_report(folder / "cases.sql", folder / "new" / "page.html"), folder)
-
-
-@pytest.fixture(scope="session")
-def browser(tmp_path_factory):
-    """Headless Chromium that keeps what the console says."""
-    binary = next(filter(None, map(shutil.which, CHROMIUM)), None)
-    driver = shutil.which("chromedriver")
-    if binary is None or driver is None:
-        pytest.skip("needs Chromium and its driver: apt-get install chromium chromium-driver")
-    webdriver = pytest.importorskip("selenium.webdriver")
-    options = webdriver.ChromeOptions()
-    options.binary_location = binary
-    profile = tmp_path_factory.mktemp("profile")
-    for flag in (*QUIET, f"--user-data-dir={profile}", "--window-size=1280,1000"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    started = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
-    yield started
-    started.quit()

@@ -1,0 +1,65 @@
+"""Show a seal as a page on which it is changed by dragging: the force at once, the exact analysis a
+moment later."""
+
+import asyncio
+import webbrowser
+from pathlib import Path
+
+from seal_mdao.cli.arguments import WrongArgumentError, parser
+
+MISSING = "not installed: tornado; pip install seal_mdao[studio] has what the live section needs"
+
+
+def main(arguments) -> int:
+    try:
+        from seal_mdao.studio.server import Studio
+    except ImportError as error:
+        raise WrongArgumentError(MISSING) from error
+    from seal_mdao.studio.project import Project, ProjectError
+
+    file = arguments.file
+    try:
+        project = Project(file.parent if file is not None else arguments.out)
+        if file is not None and not project.path(file.name).is_file():
+            raise WrongArgumentError(f"{file}: there is no such file")
+    except ProjectError as error:
+        raise WrongArgumentError(str(error)) from error
+    try:
+        asyncio.run(serve(Studio, project, arguments))
+    except KeyboardInterrupt:
+        print("closed")
+    return 0
+
+
+async def serve(studio_class, project, arguments) -> None:
+    """Run the server until it is interrupted."""
+    studio = studio_class(project, arguments.port)
+    try:
+        print(f"{studio.address}\nThe address is for you alone. Ctrl-C ends it.", flush=True)
+        if arguments.file is not None:
+            studio.session.open(arguments.file.name)
+        if not arguments.no_browser:
+            webbrowser.open(studio.address)
+        await asyncio.Event().wait()
+    finally:
+        studio.end()
+
+
+def port(text: str) -> int:
+    """Parse a port for argparse."""
+    import argparse
+
+    if not text.isdecimal() or not 0 <= int(text) < 65536:
+        raise argparse.ArgumentTypeError(f"{text!r} is no port, 0 to 65535")
+    return int(text)
+
+
+def arguments_parser():
+    made = parser(__doc__, ".", "[FILE]", "seal-mdao studio bulb.toml")
+    made.add_argument(
+        "file", type=Path, nargs="?", metavar="FILE",
+        help="seal file (TOML), whose folder is read and written in place of --out",
+    )  # fmt: skip
+    made.add_argument("--port", type=port, default=0, metavar="N", help="0 for any that is free")
+    made.add_argument("--no-browser", action="store_true", help="print the address only")
+    return made

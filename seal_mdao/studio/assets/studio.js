@@ -1,0 +1,621 @@
+// The live section: previews by the first-order changes of the last exact analysis, which the worker sends.
+
+const place = (id) => document.getElementById(id);
+const color = (i) => `var(--c${i % 8})`;
+const FULL = 32000;   // what ShapeView takes for the end of a stress scale
+const KEY_STEP = 0.02;   // mm that an arrow key moves a handle
+
+function floats(text) {
+  if (text === null) return null;
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
+}
+
+const state = {
+  scene: null, design: null, exact: null, rates: null, kept: [], status: null, frame: null, socket: null,
+  dragging: false, sent: null, latencies: [], drawn: 0, counts: {},
+};
+window.studio = state;   // for tests
+
+// ---- first order ----
+
+// Values plus their changes; the parameters are the last axis of the rates.
+function moved(base, rates, change) {
+  const out = Float32Array.from(base), count = change.length;
+  if (!rates) return out;
+  change.forEach((value, p) => {
+    if (value !== 0) for (let i = 0; i < out.length; i++) out[i] += rates[i * count + p] * value;
+  });
+  return out;
+}
+
+const difference = () => state.design.map((value, i) => value - state.exact.design[i]);
+const isExact = () => state.exact && state.exact.design.every((value, i) => value === state.design[i]);
+
+// The undeformed points, exact for every design: X = X_0 + sum_p b_p V_p.
+function undeformed(design) {
+  const { scene } = state, out = Float32Array.from(scene.undeformedAt), count = scene.velocityAt.length / out.length;
+  for (let p = 0; p < count; p++) {
+    if (design[p] === 0) continue;
+    for (let i = 0; i < out.length; i++) out[i] += design[p] * scene.velocityAt[p * out.length + i];
+  }
+  return out;
+}
+
+// All that is drawn, of the present design.
+function present() {
+  const { exact, rates } = state, change = difference(), exactly = change.every((v) => v === 0);
+  const of = (base, own) => (exactly ? base : moved(base, own, change));
+  const frame = exact.frame, points = of(frame.pointsAt, rates && rates.pointsAt);
+  return {
+    exactly, points,
+    poses: frame.poses.map((pose, i) => of(pose, rates && rates.posesAt[i])),
+    ways: frame.ways.map((way, i) => of(way.flat(), rates && rates.waysAt[i])),
+    pressure: frame.pressure.map((own, i) => ({ ...own, values: of(own.values, rates && rates.pressureAt[i]).map((v) => Math.max(v, 0)) })),
+    curves: exact.curves.map((own, i) => ({
+      ...own, force: of(own.force.flat(), rates && rates.forceAt[i]), along: of(own.along, rates && rates.alongAt[i]),
+    })),
+    measures: Object.fromEntries(Object.entries(exact.measures).map(([name, values]) => [name, of(values, rates && rates.measuresAt[name])])),
+  };
+}
+
+function unpackRates(rates) {
+  rates.pointsAt = floats(rates.points);
+  for (const key of ["poses", "ways", "pressure", "force", "along"]) rates[`${key}At`] = rates[key].map(floats);
+  rates.measuresAt = Object.fromEntries(Object.entries(rates.measures).map(([name, own]) => [name, floats(own)]));
+}
+
+// ---- pictures ----
+
+const views = {}, charts = {};
+
+function shapesOf(scene) {
+  const scales = scene.colours.map((colours, i) => ({ name: scene.colours.length > 1 ? scene.materials[i] : "", top: 1, colours }));
+  return { ...scene, length: 1, scales, watched: [] };
+}
+
+function rigid(profile, [x, y, angle], [u, v]) {
+  const [px, py] = profile.pivot, [c, s] = [Math.cos(angle), Math.sin(angle)];
+  return [px + x + c * (u - px) - s * (v - py), py + y + s * (u - px) + c * (v - py)];
+}
+
+// x, y, cosine, sine of the origin of a profile's frame, as ShapeView takes them.
+function placed(profile, pose) {
+  const [x, y] = rigid(profile, pose, [0, 0]);
+  return [x, y, Math.cos(pose[2]), Math.sin(pose[2])];
+}
+
+function drawShapes(now) {
+  const { scene, exact } = state, made = undeformed(state.design);
+  const boundary = new Float32Array(2 * scene.loops.reduce((sum, loop) => sum + loop.length, 0));
+  scene.loops.flat().forEach((point, i) => boundary.set([made[2 * point], made[2 * point + 1]], 2 * i));
+  const starts = scene.profiles.map((profile, i) => placed(profile, [...now.ways[i].slice(0, 3)]));
+  const ghost = now.exactly ? null : { boundary: nominalBoundary() };
+  views.made.draw({ boundary, profiles: scene.profiles, poses: starts }, ghost, "Section as made, with handles");
+  const tops = exact.frame.tops, points = new Float32Array(now.points);
+  for (let k = 0; k < points.length / 3; k++) points[3 * k + 2] = Math.min(FULL, Math.max(0, points[3 * k + 2] / tops[scene.regions[k]]) * FULL);
+  views.pressed.shapes.scales.forEach((scale, i) => { scale.top = tops[i]; });
+  const frame = { points, profiles: scene.profiles, poses: scene.profiles.map((profile, i) => placed(profile, now.poses[i])) };
+  if (now.exactly) Object.assign(frame, { touching: exact.frame.touchingAt, marks: exact.frame.marks });
+  drawScales();
+  views.pressed.draw(frame, null, `${now.exactly ? "Exact analysis" : "First-order preview"}: deformed section with von Mises stress at ${exact.frame.caption}`);
+}
+
+function nominalBoundary() {
+  const { scene } = state, at = undeformed(state.exact.design), out = new Float32Array(2 * scene.loops.flat().length);
+  scene.loops.flat().forEach((point, i) => out.set([at[2 * point], at[2 * point + 1]], 2 * i));
+  return out;
+}
+
+function drawScales() {
+  const tops = views.pressed.shapes.scales.map(({ top }) => top).join();
+  if (place("scales").dataset.tops === tops) return;
+  place("scales").dataset.tops = tops;
+  const rows = views.pressed.shapes.scales.map(({ name, top, colours }) => {
+    const row = document.createElement("div"), bar = document.createElement("i");
+    row.className = "scale";
+    bar.style.background = `linear-gradient(to right, ${colours.join(",")})`;
+    row.append(name ? `${name}: 0` : "0", bar, `${readable(top)} kPa von Mises stress`);
+    return row;
+  });
+  place("scales").replaceChildren(...rows);
+}
+
+function component(values, k) { return Array.from({ length: values.length / 2 }, (_, i) => values[2 * i + k]); }
+
+function drawCharts(now) {
+  const { kept, scene } = state, colours = [];
+  const curves = [], add = (list, series) => list.push(series);
+  now.curves.forEach((own, i) => {
+    const name = now.curves.length > 1 ? own.name : "this design";
+    add(curves, { name, x: [0, ...own.along], values: [0, ...component(own.force, own.component)], color: color(i), dash: now.exactly ? "" : "5 3" });
+  });
+  const pressures = now.pressure.map((own, i) => ({ name: now.pressure.length > 1 ? own.name : "this design", x: own.arc, values: [...own.values], color: color(i), dash: now.exactly ? "" : "5 3", dots: 2 }));
+  kept.forEach(({ name, curves: those, pressure }, i) => {
+    those.slice(0, 1).forEach((own) => curves.push({ name, x: [0, ...own.along], values: [0, ...own.force.map((f) => f[own.component])], color: color(i + 2), dash: "2 3" }));
+    pressure.slice(0, 1).forEach((own) => pressures.push({ name, x: own.arc, values: own.values, color: color(i + 2), dash: "2 3" }));
+  });
+  const words = now.curves.length ? now.curves[0].words : "";
+  chart("curve", { name: "Load-deflection curve", x: { label: words, values: [] }, y: { label: scene.force.unit }, series: curves });
+  chart("pressure", { name: "True contact pressure", x: touched(now), y: { label: "kPa", low: 0 }, series: pressures });
+  place("curve-unit").textContent = scene.force.unit;
+  return colours;
+}
+
+// Abscissae along the part of the boundary that touches.
+function touched(now) {
+  const arcs = now.pressure.flatMap((own) => own.arc.filter((_, k) => own.values[k] > 0));
+  const all = now.pressure.flatMap((own) => own.arc), found = arcs.length > 1 ? arcs : all, pad = 0.04 * (Math.max(...all, 1) - Math.min(...all, 0));
+  return { label: "arc length (mm)", values: [], low: Math.min(...found) - pad, high: Math.max(...found) + pad };
+}
+
+// A chart keeps its axes while it is dragged, unless the curve leaves them.
+function chart(id, spec) {
+  const own = charts[id];
+  if (!spec.series.length) { place(id).parentElement.hidden = true; return; }
+  place(id).parentElement.hidden = false;
+  const names = spec.series.map((s) => `${s.name}${s.color}${s.dash}`).join();
+  if (own && own.names === names) {
+    own.chart.spec = spec;
+    own.chart.draw();
+    return;
+  }
+  place(id).replaceChildren();
+  charts[id] = { names, chart: new LineChart(place(id), spec) };
+}
+
+// ---- numbers ----
+
+function unitOf(name) {
+  const found = state.scene.measures.find((own) => own.name === name);
+  return found ? unitText(found.unit) : "";
+}
+
+const unitText = (unit) => unit.replace("**2", "²").replace("**3", "³").replace(/\*/g, " ");
+const spoken = (name) => name.replace(/_/g, " ");
+
+function drawFigures(now) {
+  const rows = [];
+  now.curves.forEach((own) => {
+    const last = own.force.length / 2 - 1, k = own.component;
+    if (last >= 0) rows.push([`${state.scene.force.directions[k]} force on ${own.name}`, `${readable(own.force[2 * last + k], 4)} ${state.scene.force.unit}`]);
+  });
+  now.pressure.forEach((own) => rows.push([`peak pressure, ${own.name}`, `${readable(Math.max(0, ...own.values), 3)} kPa`]));
+  const lights = new Set([...state.scene.limits.map((l) => l.measure)]);
+  Object.entries(now.measures).forEach(([name, values]) => {
+    if (values.length === 1 && !lights.has(name)) rows.push([spoken(name), `${withError(name, values[0])} ${unitOf(name)}`]);
+  });
+  let peak = 0;
+  for (let k = 2; k < now.points.length; k += 3) peak = Math.max(peak, now.points[k]);
+  rows.push(["largest stress shown", `${readable(peak, 3)} kPa`]);
+  place("figures").replaceChildren(...rows.map(([name, value]) => {
+    const row = document.createElement("li");
+    row.innerHTML = `<span>${escaped(name)}</span><strong>${escaped(value)}</strong>`;
+    return row;
+  }));
+}
+
+// A value with its error where the analysis has one.
+function withError(name, value) {
+  const error = state.exact.errors && state.exact.errors[name];
+  return error ? `${readable(value, 4)} ± ${readable(error, 1)}` : readable(value, 4);
+}
+
+const bound = (own, i) => (Array.isArray(own) ? own[i] : own);
+
+function drawLights(now) {
+  const rows = [];
+  const light = (kind, name, text, note) => {
+    const row = document.createElement("div");
+    row.className = kind;
+    row.innerHTML = `<i aria-hidden="true"></i><span>${escaped(name)} <b>${escaped(text)}</b> <small>${escaped(note)}</small></span>`;
+    rows.push(row);
+  };
+  const { minimize, limits } = state.scene;
+  if (minimize && now.measures[minimize]) light("aim", `minimise ${spoken(minimize)}`, `${withError(minimize, now.measures[minimize][0])} ${unitOf(minimize)}`, "");
+  for (const { measure, lower, upper } of limits) {
+    const values = now.measures[measure];
+    if (!values) { light("", spoken(measure), "–", "not known"); continue; }
+    let worst = -Infinity, at = 0;
+    values.forEach((value, i) => {
+      const low = bound(lower, i), high = bound(upper, i), size = Math.max(Math.abs(low ?? 0), Math.abs(high ?? 0), 1e-12);
+      const over = Math.max(low === null || low === undefined ? -Infinity : (low - value) / size, high === null || high === undefined ? -Infinity : (value - high) / size);
+      if (over > worst) [worst, at] = [over, i];
+    });
+    const low = bound(lower, at), high = bound(upper, at);
+    const range = [low !== null && low !== undefined ? `≥ ${readable(low)}` : "", high !== null && high !== undefined ? `≤ ${readable(high)}` : ""].filter(Boolean).join(", ");
+    const note = `${range} ${worst > 1e-6 ? `violated by ${readable(100 * worst, 2)} %` : "satisfied"}`;
+    light(worst > 1e-6 ? "broken" : "held", spoken(measure), `${withError(measure, values[at])} ${unitOf(measure)}`, note);
+  }
+  place("lights").replaceChildren(...rows);
+}
+
+// ---- one picture ----
+
+let pending = null;
+
+// Draw with the next frame of the screen; `since` is the time of the event that asked for it.
+function schedule(since = null) {
+  if (pending !== null) { pending = pending.since === null ? { since } : pending; return; }
+  pending = { since };
+  requestAnimationFrame(() => {
+    const { since: from } = pending;
+    pending = null;
+    draw();
+    if (from !== null) {
+      state.latencies.push(performance.now() - from);
+      if (state.latencies.length > 1000) state.latencies.shift();
+    }
+  });
+}
+
+function draw() {
+  if (!state.scene || !state.exact || !state.design) return;
+  const now = present();
+  document.body.classList.toggle("preview-shown", !now.exactly);
+  drawShapes(now);
+  drawCharts(now);
+  drawFigures(now);
+  drawLights(now);
+  drawHandles(now);
+  showNumbers();
+  showState(now.exactly);
+  state.drawn += 1;
+}
+
+function showState(exactly) {
+  const { status, exact } = state, row = place("state");
+  let [kind, text] = ["preview", "first-order preview, analysing …"];
+  if (!state.rates && !exactly) text = "analysing …";
+  if (exactly && exact) [kind, text] = ["exact", "exact analysis"];
+  if (exactly && exact && !exact.converged) [kind, text] = ["failed", "path not completed"];
+  if (status && status.job === "improve") text = `improving, analysis ${exact && exact.number ? exact.number : 0}`;
+  if (!exactly && status && status.failure) [kind, text] = ["failed", "not analysed"];
+  if (state.shared) [kind, text] = exactly ? ["exact", "exact analysis, shared page"] : ["preview", "first-order preview, shared page"];
+  if (state.closed) [kind, text] = ["failed", "the server is closed"];
+  row.className = `state ${kind}`;
+  place("state-text").textContent = text;
+}
+
+// ---- handles ----
+
+// A handle: numbers it moves with their directions on screen in mm per unit, and where it is.
+function handlesOf(now) {
+  const { scene, design } = state, index = new Map(scene.numbers.map((own, i) => [own.name, i])), found = [];
+  scene.handles.forEach((own) => {
+    const at = [...own.at];
+    own.numbers.forEach((p, k) => { at[0] += design[p] * own.directions[k][0]; at[1] += design[p] * own.directions[k][1]; });
+    found.push({ key: `wall-${own.numbers.join("-")}`, view: "made", at, numbers: own.numbers, directions: own.directions, round: true, text: own.numbers.map((p) => scene.numbers[p].text).join(" and ") });
+  });
+  scene.profiles.forEach((profile, i) => {
+    for (let k = 0; k < now.ways[i].length / 3; k++) {
+      const names = k ? [`${profile.name}_stage_${k}_x`, `${profile.name}_stage_${k}_y`] : [`${profile.name}_x`, `${profile.name}_y`];
+      const numbers = names.map((name) => index.get(name)), known = numbers.flatMap((p, axis) => (p === undefined ? [] : [[p, axis ? [0, 1] : [1, 0]]]));
+      if (!known.length) continue;
+      const at = rigid(profile, [...now.ways[i].slice(3 * k, 3 * k + 3)], profile.grip);
+      found.push({ key: `${profile.name}-${k}`, view: k ? "pressed" : "made", at, numbers: known.map(([p]) => p), directions: known.map(([, d]) => d), round: false, text: k ? `end of stage ${k} of ${profile.name}` : `start of ${profile.name}` });
+    }
+  });
+  return found;
+}
+
+const handleNodes = new Map();
+
+function drawHandles(now) {
+  const seen = new Set();
+  for (const handle of handlesOf(now)) {
+    seen.add(handle.key);
+    let own = handleNodes.get(handle.key);
+    if (!own) {
+      const svg = place(`${handle.view}-handles`), group = node(svg, "g");
+      const track = node(group, "line", { class: "track" });
+      const area = node(group, "circle", { class: "handle-area", r: 17 });
+      const mark = handle.round ? node(group, "circle", { class: "handle", r: 6.5 }) : node(group, "rect", { class: "handle", width: 14, height: 14, rx: 3 });
+      mark.dataset.handle = handle.key;
+      mark.setAttribute("tabindex", "0");
+      mark.setAttribute("role", "slider");
+      mark.setAttribute("aria-label", handle.text);
+      own = { group, track, area, mark };
+      handleNodes.set(handle.key, own);
+      for (const target of [area, mark]) target.addEventListener("pointerdown", (event) => grab(event, handle.key));
+      mark.addEventListener("keydown", (event) => nudge(event, handle.key));
+    }
+    own.handle = handle;
+    const view = views[handle.view], x = view.px(handle.at[0]), y = view.py(handle.at[1]);
+    own.area.setAttribute("cx", x);
+    own.area.setAttribute("cy", y);
+    if (handle.round) { own.mark.setAttribute("cx", x); own.mark.setAttribute("cy", y); } else { own.mark.setAttribute("x", x - 7); own.mark.setAttribute("y", y - 7); }
+    const [first] = handle.numbers, number = state.scene.numbers[first], value = state.design[first];
+    own.mark.classList.toggle("bounded", handle.numbers.some((p) => state.design[p] === state.scene.numbers[p].low || state.design[p] === state.scene.numbers[p].high));
+    for (const [key, v] of [["min", number.low], ["max", number.high], ["now", value]]) own.mark.setAttribute(`aria-value${key}`, v.toFixed(3));
+    own.mark.setAttribute("aria-valuetext", handle.numbers.map((p) => `${readable(state.design[p], 4)} ${state.scene.numbers[p].unit}`).join(", "));
+    // where the handle may go, of one number
+    if (handle.numbers.length === 1) {
+      const [dx, dy] = handle.directions[0], ends = [number.low, number.high].map((v) => [handle.at[0] + (v - value) * dx, handle.at[1] + (v - value) * dy]);
+      own.track.setAttribute("x1", view.px(ends[0][0])); own.track.setAttribute("y1", view.py(ends[0][1]));
+      own.track.setAttribute("x2", view.px(ends[1][0])); own.track.setAttribute("y2", view.py(ends[1][1]));
+    }
+  }
+  for (const [key, own] of handleNodes) if (!seen.has(key)) { own.group.remove(); handleNodes.delete(key); }
+}
+
+// The design with the numbers of a handle changed so that it moves by (dx, dy) mm from `from`.
+function pulled(handle, from, dx, dy) {
+  const design = [...from];
+  handle.numbers.forEach((p, k) => {
+    const [a, b] = handle.directions[k], size = a * a + b * b;
+    design[p] = clipped(p, from[p] + (dx * a + dy * b) / size);
+  });
+  return design;
+}
+
+function clipped(p, value) {
+  const { low, high } = state.scene.numbers[p];
+  return Math.min(high, Math.max(low, Number(value.toPrecision(12))));
+}
+
+function grab(event, key) {
+  const own = handleNodes.get(key);
+  if (state.shared === "fixed" || event.button > 0) return;
+  event.preventDefault();
+  own.mark.focus();
+  const view = views[own.handle.view], from = state.design, begin = [event.clientX, event.clientY], { handle } = own;
+  event.target.setPointerCapture(event.pointerId);
+  own.mark.classList.add("dragged");
+  state.dragging = true;
+  const move = (moving) => {
+    change(pulled(handle, from, (moving.clientX - begin[0]) / view.zoom, -(moving.clientY - begin[1]) / view.zoom), "drag", moving.timeStamp);
+  };
+  const end = () => {
+    event.target.removeEventListener("pointermove", move);
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) event.target.removeEventListener(name, end);
+    own.mark.classList.remove("dragged");
+    state.dragging = false;
+    change(state.design, "commit");
+  };
+  event.target.addEventListener("pointermove", move);
+  for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) event.target.addEventListener(name, end);
+}
+
+function nudge(event, key) {
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  if (!arrows[event.key]) return;
+  event.preventDefault();
+  const { handle } = handleNodes.get(key), [dx, dy] = arrows[event.key], step = KEY_STEP * (event.shiftKey ? 5 : 1);
+  const design = [...state.design];
+  handle.numbers.forEach((p, k) => {
+    const [a, b] = handle.directions[k], along = dx * a + dy * b;
+    // across the direction of a handle, up and right are outward of what it has
+    const sign = Math.abs(along) > 1e-3 * Math.hypot(a, b) ? Math.sign(along) : handle.numbers.length > 1 ? 0 : dx + dy;
+    design[p] = clipped(p, design[p] + (sign * step) / Math.hypot(a, b));
+  });
+  change(design, "commit", event.timeStamp);
+}
+
+// ---- sliders ----
+
+const rows = [];
+
+function makeSliders() {
+  const { scene } = state, groups = {};
+  rows.length = 0;
+  scene.numbers.forEach((own, p) => { (groups[own.group] ||= []).push(p); });
+  const parts = [], order = ["travel", "friction", "rubber", "environment", "time", "start", "section"];
+  const titles = { travel: "Travel", friction: "Friction", rubber: "Rubber", environment: "Environment", time: "Time", start: "Start of the profiles", section: "Design parameters of the section" };
+  for (const name of order.filter((n) => groups[n])) {
+    const title = document.createElement("h2");
+    title.textContent = titles[name];
+    parts.push(title);
+    for (const p of groups[name]) {
+      const own = scene.numbers[p], row = document.createElement("label");
+      row.className = "slider";
+      row.innerHTML = `<span>${escaped(own.text)}${own.unit ? ` (${escaped(own.unit)})` : ""}</span>`;
+      const exactly = document.createElement("input"), range = document.createElement("input");
+      Object.assign(exactly, { type: "number", step: "any" });
+      Object.assign(range, { type: "range", min: own.low, max: own.high, step: "any", id: `number-${p}` });
+      for (const input of [exactly, range]) input.setAttribute("aria-label", own.text);
+      const set = (value, kind, since) => {
+        if (!Number.isFinite(value)) return;
+        const design = [...state.design];
+        design[p] = clipped(p, value);
+        change(design, kind, since);
+      };
+      range.addEventListener("input", (event) => set(Number(range.value), "drag", event.timeStamp));
+      range.addEventListener("change", () => set(Number(range.value), "commit"));
+      range.addEventListener("keydown", (event) => {
+        const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
+        if (!sign) return;
+        event.preventDefault();
+        set(state.design[p] + sign * (event.shiftKey ? 0.05 : 0.01) * (own.high - own.low), "commit", event.timeStamp);
+      });
+      exactly.addEventListener("change", () => set(Number(exactly.value), "commit"));
+      row.append(exactly, range);
+      rows[p] = { row, range, exactly };
+      parts.push(row);
+    }
+  }
+  place("sliders").replaceChildren(...parts);
+}
+
+function showNumbers() {
+  rows.forEach(({ row, range, exactly }, p) => {
+    const value = state.design[p];
+    if (Number(range.value) !== value) range.value = value;
+    if (document.activeElement !== exactly) exactly.value = Number(value.toPrecision(5));
+    row.classList.toggle("changed", value !== state.scene.numbers[p].value);
+  });
+}
+
+// ---- messages ----
+
+function send(message) {
+  if (state.socket && state.socket.readyState === WebSocket.OPEN) state.socket.send(JSON.stringify(message));
+}
+
+let queued = null;
+
+// Show a design at once, and tell the server: of a drag the latest with every frame of the screen.
+function change(design, kind, since = null) {
+  state.design = design;
+  schedule(since);
+  if (state.shared) return;
+  if (kind === "commit") { queued = null; send({ do: "commit", design }); return; }
+  if (queued === null) requestAnimationFrame(() => { if (queued) send({ do: "drag", design: queued }); queued = null; });
+  queued = design;
+}
+
+const receive = {
+  status(status) {
+    state.status = status;
+    place("undo").disabled = !status.undo;
+    place("redo").disabled = !status.redo;
+    place("stop").hidden = status.job !== "improve";
+    place("improve").hidden = status.job === "improve";
+    const files = place("files"), names = status.files.map((name) => new Option(name, name, false, name === status.file));
+    if (!status.file) names.unshift(new Option("choose", "", true, true));
+    files.replaceChildren(...names);
+    place("title").textContent = status.file || "seal-mdao studio";
+    place("empty").hidden = Boolean(status.file);
+    place("work").hidden = !status.ready;
+    if (status.failure) show(status.failure);
+    if (!status.ready && status.file) { place("state").className = "state"; place("state-text").textContent = status.failure ? "not opened" : status.progress || "opening"; }
+    if (state.exact) showState(isExact());
+  },
+  progress({ text }) { if (!state.scene) place("state-text").textContent = text; },
+  scene(scene) {
+    Object.assign(state, { scene, exact: null, rates: null, design: null });
+    scene.undeformedAt = floats(scene.undeformed);
+    scene.velocityAt = floats(scene.velocity);
+    for (const [, own] of handleNodes) own.group.remove();
+    handleNodes.clear();
+    for (const id of ["curve", "pressure"]) { place(id).replaceChildren(); delete charts[id]; }
+    place("work").hidden = false;
+    place("empty").hidden = true;
+    for (const name of ["made", "pressed"]) {
+      if (!views[name]) views[name] = new ShapeView(place(name), shapesOf(scene));
+      views[name].shapes = shapesOf(scene);
+      views[name].last = null;
+      views[name].subdivide = name === "pressed" ? 2 : 1;
+    }
+    place("step").max = scene.steps - 1;
+    place("step").value = scene.steps - 1;
+    makeSliders();
+  },
+  design({ design }) {
+    if (state.dragging) return;
+    state.design = design;
+    schedule();
+  },
+  exact(exact) {
+    state.counts.exact = (state.counts.exact || 0) + 1;
+    Object.assign(state, { exact, rates: null });
+    unpackFrame(exact.frame);
+    hide();
+    if (!exact.converged) show(`The path of this design was not completed: ${exact.failure}`);
+    showWarnings(exact.warnings);
+    showPath();
+    if (!state.design) state.design = exact.design;
+    schedule();
+  },
+  rates(rates) {
+    if (!state.exact || rates.step !== state.exact.frame.step) return;
+    unpackRates(rates);
+    state.rates = rates;
+    schedule();
+  },
+  view(frame) {
+    if (!state.exact) return;
+    unpackFrame(frame);
+    state.exact.frame = frame;
+    state.rates = null;
+    showPath();
+    schedule();
+  },
+  kept(kept) {
+    state.kept = kept;
+    showKept();
+    schedule();
+  },
+  notes(notes) { place("caption").textContent = notes.join(" "); },
+  saved(names) { show(`Saved: ${names.join(", ")}`, "saved", names); },
+  failed({ text }) { show(text); },
+  refused(text) { show(text); },
+};
+
+function unpackFrame(frame) {
+  frame.pointsAt = floats(frame.points);
+  frame.touchingAt = floats(frame.touching);
+}
+
+function showPath() {
+  const { exact } = state;
+  if (Number(place("step").value) !== exact.frame.step && document.activeElement !== place("step")) place("step").value = exact.frame.step;
+  place("step-text").textContent = exact.frame.caption;
+  place("pressed-text").textContent = exact.frame.caption;
+}
+
+function show(text, kind = "", names = []) {
+  const box = place("message");
+  box.hidden = false;
+  box.textContent = text;
+  box.dataset.kind = kind;
+  for (const name of names) {
+    const link = document.createElement("a");
+    Object.assign(link, { href: `files/${encodeURIComponent(name)}`, textContent: `Download ${name}`, download: name });
+    box.append(" ", link);
+  }
+}
+
+function hide() { if (!place("message").dataset.kind) place("message").hidden = true; }
+
+function showWarnings(texts) {
+  const box = place("warnings");
+  box.hidden = !texts.length;
+  box.replaceChildren(...texts.map((text) => Object.assign(document.createElement("p"), { className: "note", textContent: text })));
+}
+
+function showKept() {
+  const { kept, scene } = state, box = place("compared");
+  box.hidden = !kept.length;
+  if (!kept.length) return;
+  const names = Object.keys(kept[0].measures), head = kept.map(({ name }, i) => `<th scope="col"><i style="background:${color(i + 2)}"></i> ${escaped(name)}</th>`).join("");
+  const cells = (of) => kept.map((own) => `<td>${escaped(of(own))}</td>`).join("");
+  const lines = names.map((name) => `<tr><th scope="row">${escaped(spoken(name))} ${escaped(unitOf(name))}</th>${cells((own) => own.measures[name].map((v) => readable(v, 4)).join(", "))}</tr>`);
+  const changed = scene.numbers.map((own, p) => [own, p]).filter(([own, p]) => kept.some((k) => k.design[p] !== own.value));
+  const numbers = changed.map(([own, p]) => `<tr><th scope="row">${escaped(own.text)} ${escaped(own.unit)}</th>${cells((k) => readable(k.design[p], 4))}</tr>`);
+  const buttons = kept.map(({ name }) => `<td data-live><button data-take="${escaped(name)}">Take</button> <button data-drop="${escaped(name)}">Drop</button></td>`).join("");
+  box.innerHTML = `<h2>Compared designs</h2><div class="scroll"><table><thead><tr><th scope="col">measure</th>${head}</tr></thead><tbody>${lines.join("")}${numbers.join("")}<tr><th scope="row"></th>${buttons}</tr></tbody></table></div>`;
+  box.querySelectorAll("[data-take]").forEach((button) => button.addEventListener("click", () => send({ do: "take", name: button.dataset.take })));
+  box.querySelectorAll("[data-drop]").forEach((button) => button.addEventListener("click", () => send({ do: "drop", name: button.dataset.drop })));
+}
+
+function connect() {
+  const socket = new WebSocket(new URL("live", location.href.replace(/^http/, "ws")));
+  state.socket = socket;
+  socket.addEventListener("message", (event) => {
+    const { kind, content } = JSON.parse(event.data);
+    receive[kind](content);
+  });
+  socket.addEventListener("open", () => { state.closed = false; });
+  socket.addEventListener("close", (event) => {
+    state.closed = true;
+    showState(false);
+    if (event.reason) show(event.reason);
+    else setTimeout(connect, 2000);
+  });
+}
+
+for (const name of ["undo", "redo", "improve", "stop", "keep", "save"]) place(name).addEventListener("click", () => send({ do: name }));
+place("files").addEventListener("change", (event) => { if (event.target.value) send({ do: "open", file: event.target.value }); });
+place("step").addEventListener("input", (event) => send({ do: "view", step: Number(event.target.value) }));
+document.addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey)) return;
+  const key = event.key.toLowerCase();
+  if (key === "z" || key === "y") {
+    event.preventDefault();
+    send({ do: key === "y" || event.shiftKey ? "redo" : "undo" });
+  }
+});
+new ResizeObserver(() => schedule()).observe(place("work"));
+window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => schedule());
+connect();

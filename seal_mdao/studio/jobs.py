@@ -1,0 +1,80 @@
+"""Jobs of the worker process, by name."""
+
+import traceback
+
+from seal_mdao.studio.improvement import improve
+from seal_mdao.studio.saved import save_design
+from seal_mdao.studio.workbench import StoppedError, Workbench
+
+
+class Jobs:
+    """Does jobs with the open seal file, and sends what comes of them.
+
+    Parameters
+    ----------
+    pipe : Connection
+    least : ctypes value
+        Jobs with a smaller number are stopped.
+    """
+
+    def __init__(self, pipe, least):
+        self._pipe, self._least = pipe, least
+        self._serial, self._bench = 0, None
+
+    def run(self, serial: int, kind: str, arguments: dict, failures: tuple, noted: list) -> None:
+        """Do a job; its results, ``stopped`` or ``failed`` are sent.
+
+        ``noted`` are the warnings of the job, which are sent with its results.
+        """
+        self._serial = serial
+        try:
+            self._watch()
+            getattr(self, f"_{kind}")(**arguments)
+        except StoppedError:
+            self._send("stopped", kind)
+        except failures as error:
+            self._send("failed", {"job": kind, "text": " ".join(str(error).split())})
+        except Exception:
+            # a fault of the program: the page says so, the terminal has the traceback
+            traceback.print_exc()
+            text = f"the program has a fault in {kind!r}; the terminal shows where"
+            self._send("failed", {"job": kind, "text": text})
+        else:
+            texts = {str(own.message).split("\n")[0] for own in noted}
+            self._send("done", {"job": kind, "notes": sorted(texts)[:3]})
+
+    def _send(self, kind: str, content) -> None:
+        self._pipe.send((self._serial, kind, content))
+
+    def _watch(self) -> None:
+        if self._serial < self._least.value:
+            raise StoppedError
+
+    # ---- the jobs ----
+
+    def _open(self, path: str, chosen: dict | None) -> None:
+        def report(text: str) -> None:
+            self._send("progress", text)
+
+        self._bench = Workbench(path, report, self._watch, chosen)
+        opened = {"scene": self._bench.scene(), "chosen": self._bench.chosen}
+        self._send("opened", opened | {"start": self._bench.start()})
+
+    def _analyze(self, design: list, step: int | None) -> None:
+        self._send("exact", self._bench.analyze(design, step))
+        found = self._bench.first_order(step)
+        if found is not None:
+            self._send("rates", found)
+
+    def _view(self, step: int) -> None:
+        self._send("view", self._bench.view(step))
+        found = self._bench.first_order(step)
+        if found is not None:
+            self._send("rates", found)
+
+    def _improve(self, design: list) -> None:
+        improve(self._bench, design, lambda state: self._send("iteration", state))
+
+    def _save(self, design: list, folder: str, name: str) -> None:
+        paths = save_design(self._bench, design, folder, name)
+        self._send("saved", [path.name for path in paths])

@@ -1,0 +1,201 @@
+"""The seal of a file under the hands of the page: analysis, first-order changes, optimisation, files.
+
+All of it runs in the worker process (``studio.worker``).
+"""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao.errors import LoadPathError
+from seal_mdao.input_files import read_text
+from seal_mdao.plotting.field import FineGrid, fine_grid
+from seal_mdao.report.picture_data import POINTS
+from seal_mdao.seals.file.build import build_seal, unchosen_seal
+from seal_mdao.seals.file.chosen import chosen_for
+from seal_mdao.seals.file.described import description
+from seal_mdao.seals.file.read import read_seal_file
+from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
+from seal_mdao.studio import pictures
+from seal_mdao.studio.adjustable import adjustables, with_handles
+from seal_mdao.studio.first_order import path_rates
+
+
+class StoppedError(Exception):
+    """Raised inside a calculation that is no longer wanted."""
+
+
+class Progress:
+    """Callback of the choice of load steps and penalties that reports where it is.
+
+    Parameters
+    ----------
+    report : callable
+        Called with one line.
+    watch : callable
+        Called at every load step; raises ``StoppedError`` to end the choice.
+    """
+
+    def __init__(self, report: Callable, watch: Callable):
+        self._report, self._watch, self._head = report, watch, "analysis"
+        self._total = 0
+
+    def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
+        """Note analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""
+        self._head, self._total = f"choosing load steps: analysis {number} of {of}", n_steps
+
+    def __call__(self, step) -> None:
+        """Report a load step."""
+        self._watch()
+        of = f" of {self._total}" if self._total else ""
+        self._report(f"{self._head}, load step {step.nominal + 1}{of}")
+
+
+class Workbench:
+    """A seal file that is open: its seal with frozen load steps and penalties, and the last result.
+
+    Parameters
+    ----------
+    path : str or Path
+    report : callable
+        Called with one line of progress.
+    watch : callable
+        Called often; raises ``StoppedError`` when the calculation is no longer wanted.
+    chosen : dict, optional
+        Load steps and penalties chosen before (``chosen_for``).
+
+    Raises
+    ------
+    SealFileError, LoadPathError
+    """
+
+    def __init__(self, path, report: Callable, watch: Callable, chosen: dict | None = None):
+        self.path, self.watch = Path(path), watch
+        report("reading the file, placing particles")
+        self.file = read_seal_file(self.path)
+        self.tables = tomllib.loads(read_text(self.path))
+        unchosen = unchosen_seal(self.file)
+        progress = Progress(report, watch)
+        built = build_seal(self.file, progress, **(chosen or {}), unchosen=unchosen)
+        self.chosen = chosen_for(self.file, built)
+        self.seal = with_handles(built, self.file)
+        self.seal.made_from(description(self.file, built) | {"handles": True})
+        self.numbers = adjustables(self.file, self.tables, self.seal)
+        report("analysing the seal of the file")
+        self.nominal = analyze(self.seal, keep_factors=True, callback=lambda step: watch())
+        self.nominal.require_converged()
+        # the measures keep the points that they have on the seal of the file
+        self.measures = tuple(
+            own
+            for own in frozen_measures(self.seal, None, lambda seal: self.nominal)
+            if not is_empty(own, self.seal)
+        )
+        self.result = self.nominal
+        self.fine, self.rates = self._grid(self.nominal), None
+
+    def scene(self) -> dict:
+        """Return what stays the same for all designs of the file."""
+        found = pictures.scene(self.nominal, self._grid(self.nominal), self.numbers)
+        limits = self.file.optimize.constraints if self.file.optimize else ()
+        return found | {
+            "file": self.path.name,
+            "edges": list(self.file.section.outline.edge_names),
+            "minimize": self.file.optimize.minimize if self.file.optimize else None,
+            "limits": [
+                {"measure": own.measure, "lower": own.lower, "upper": own.upper} for own in limits
+            ],
+            "measures": [
+                {"name": own.name, "unit": self.seal.units.of(own.units) or "", "text": own.text}
+                for own in self.measures
+            ],
+        }
+
+    # ---- designs ----
+
+    def start(self) -> list[float]:
+        """Return the numbers of the file."""
+        return [own.value for own in self.numbers]
+
+    def split(self, design) -> tuple[np.ndarray, dict]:
+        """Return the offsets and the changed parameters of a design, the values of all numbers.
+
+        Raises
+        ------
+        ValueError
+            For a wrong count, or values out of their ranges.
+        """
+        if len(design) != len(self.numbers):
+            raise ValueError(f"a design has {len(self.numbers)} numbers, got {len(design)}")
+        count, parameters = self.seal.n_offsets, {}
+        for own, value in zip(self.numbers, design, strict=True):
+            if not own.low <= value <= own.high:
+                raise ValueError(
+                    f"{own.text} = {value:g} is not between {own.low:g} and {own.high:g}"
+                )
+        for own, value in zip(self.numbers[count:], design[count:], strict=True):
+            if value != own.value:
+                parameters[own.name] = value - own.zero
+        return np.array(design[:count], float), parameters
+
+    def analyze(self, design, step: int | None = None) -> dict:
+        """Analyse a design; return what the page draws of it.
+
+        A path that was not completed is returned with its last converged step.
+        """
+        offsets, parameters = self.split(design)
+        result = analyze(
+            self.seal, offsets, parameters, keep_factors=True, callback=lambda step: self.watch()
+        )
+        return self.shown(result, design, step)
+
+    def shown(self, result: SealResult, design, step: int | None = None) -> dict:
+        """Take an analysed design as the last result; return what the page draws of it."""
+        if not result.path.nominal_steps:
+            raise LoadPathError(result.failure, result)
+        self.result, self.rates, self.fine = result, None, self._grid(result)
+        return self._state(step) | {"design": list(map(float, design))}
+
+    def first_order(self, step: int | None = None) -> dict | None:
+        """Differentiate the last result; None for a path that was not completed."""
+        if not self.result.converged:
+            return None
+        if self.rates is None:
+            names = [own.name for own in self.numbers[self.seal.n_offsets :]]
+            measures = self._measures(self.result)
+            self.rates = path_rates(self.result, names, measures, self.watch)
+        return pictures.rates(self.fine, self.rates, self._step(step))
+
+    def view(self, step: int) -> dict:
+        """Return the last result after another load step."""
+        return pictures.frame(self.fine, self._step(step))
+
+    def _grid(self, result: SealResult) -> FineGrid:
+        # about as many points whatever the refinement, one at every particle at least
+        cells = len(result.seal.body.cells)
+        return fine_grid(result, max(1, round(np.sqrt(POINTS / cells))))
+
+    def _step(self, step: int | None) -> int:
+        last = len(self.result.path.nominal_steps) - 1
+        return last if step is None else min(max(step, 0), last)
+
+    def _measures(self, result: SealResult) -> tuple:
+        return tuple(own.with_parameters(result.seal.changed) for own in self.measures)
+
+    def _state(self, step: int | None) -> dict:
+        result = self.result
+        found = {
+            "converged": result.converged, "failure": result.failure,
+            "warnings": [], "measures": {}, "curves": pictures.curves(result),
+            "frame": pictures.frame(self.fine, self._step(step)),
+            "captions": [result.caption(k) for k in range(len(result.path.nominal_steps))],
+        }  # fmt: skip
+        if result.converged:
+            found["measures"] = self.values(result)
+            found["warnings"] = list(result.seal.warnings)
+        return found
+
+    def values(self, result: SealResult) -> dict:
+        """Evaluate all measures of a completed path, by their names."""
+        return {own.name: pictures.plain(result.value(own)) for own in self._measures(result)}

@@ -1,0 +1,101 @@
+"""The first-order changes that the page draws are the derivatives of what it draws."""
+
+import base64
+
+import numpy as np
+import pytest
+from studio.small_seal import nothing, write
+
+from seal_mdao.studio.workbench import Workbench
+
+STEP = 1e-4
+"""Over the range of a number."""
+NOISE = 1e-8
+"""Error of a converged state over its size, ten times the residual at which Newton stops."""
+
+
+def numbers(text):
+    return np.frombuffer(base64.b64decode(text), "<f4").astype(float)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    return Workbench(write(tmp_path_factory.mktemp("bulb")), nothing, nothing)
+
+
+def drawn(bench, design, step):
+    """What the page draws, in double precision: of the pictures the numbers before they are packed."""
+    from seal_mdao.seals.profiles import contacts, true_pressure
+
+    state = bench.analyze(design, step)
+    (contact,) = contacts(bench.result.seal)
+    poses = np.array(state["frame"]["poses"]).ravel()
+    (curve,) = state["curves"]
+    return {
+        "points": np.column_stack([bench.fine.deformed(step), bench.fine.von_mises(step)]).ravel(),
+        "pressure": true_pressure(bench.result, contact, step),
+        "poses": poses, "along": np.array(curve["along"]),
+        "force": np.array(curve["force"]).ravel(),
+        "measures": np.concatenate(list(state["measures"].values())),
+        "states": bench.result.path.at_nominal("plate")[step].state,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("step", [5, 3])
+def test_rates_are_derivatives_of_what_is_drawn(bench, step):
+    start = bench.start()
+    start[1] = 0.11
+    base = drawn(bench, start, step)
+    found, count = bench.first_order(step), len(start)
+    rates = {name: numbers(found[name]).reshape(-1, count) for name in ("points",)}
+    for name in ("pressure", "poses", "along", "force"):
+        rates[name] = numbers(found[name][0]).reshape(-1, count)
+    rates["measures"] = np.concatenate(
+        [numbers(own).reshape(-1, count) for own in found["measures"].values()]
+    )
+    compared = 0
+    for p, own in enumerate(bench.numbers):
+        h = STEP * (own.high - own.low)
+        near = {}
+        for k in (-2, -1, 1, 2):
+            design = list(start)
+            design[p] += k * h
+            near[k] = drawn(bench, design, step)
+        if any(not np.array_equal(other["states"], base["states"]) for other in near.values()):
+            continue
+        compared += 1
+        for name, own_rates in rates.items():
+            one = (near[1][name] - near[-1][name]) / (2.0 * h)
+            two = (near[2][name] - near[-2][name]) / (4.0 * h)
+            # f'(x) = (4 D(h) - D(2h)) / 3 + O(h^4); D(2h) - D(h) = h^2 f'''/2
+            best = (4.0 * one - two) / 3.0
+            size = np.abs(base[name]).max()
+            bound = np.abs(two - one) + NOISE * size / h
+            # packed in 32 bits
+            bound = bound + 2.0**-23 * np.abs(best)
+            wrong = np.abs(own_rates[:, p] - best) > bound
+            assert not wrong.any(), (name, bench.numbers[p].name, np.flatnonzero(wrong)[:5])
+    assert compared > 0.7 * count
+
+
+def test_changes_of_undeformed_points_are_exact(bench):
+    scene = bench.scene()
+    design = bench.start()
+    design[:4] = [0.1, -0.2, 0.05, 0.3]
+    bench.analyze(design)
+    velocity = numbers(scene["velocity"]).reshape(4, -1)
+    moved = numbers(scene["undeformed"]) + np.array(design[:4]) @ velocity
+    # coordinates and offsets are packed in 32 bits
+    assert np.abs(moved - bench.fine.undeformed().ravel()).max() < 4 * 2.0**-24 * 10.0
+
+
+def test_preview_of_a_drag_of_a_tenth_of_a_millimetre_is_within_two_percent(bench):
+    start = bench.start()
+    base = bench.analyze(start)
+    rates = numbers(bench.first_order()["force"][0]).reshape(-1, 2, len(start))
+    for p in range(4):
+        design = list(start)
+        design[p] = 0.1
+        exact = np.array(bench.analyze(design)["curves"][0]["force"])[-1, 1]
+        preview = base["curves"][0]["force"][-1][1] + 0.1 * rates[-1, 1, p]
+        assert preview == pytest.approx(exact, rel=0.02)
