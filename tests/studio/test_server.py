@@ -38,9 +38,13 @@ def with_studio(folder, work):
         finally:
             for socket in studio.sockets:
                 socket.close()
+            for socket in list(studio.sockets):
+                await ended(studio, socket)
             while studio.pages:
                 await asyncio.sleep(0.01)
             studio.end()
+            # both ends close their sockets
+            await asyncio.sleep(0.1)
 
     asyncio.run(run())
 
@@ -83,7 +87,9 @@ def test_wrong_token_host_and_origin_are_refused(tmp_path):
             assert await status(studio.address, headers={"Host": host}) in (400, 403)
         for origin in ("http://evil.example", "null", f"http://127.0.0.1:{studio.port + 1}"):
             assert await status(studio.address, headers={"Origin": origin}) == 403
-            assert await status(f"{studio.address}live", headers=UPGRADE | {"Origin": origin}) == 403
+            assert (
+                await status(f"{studio.address}live", headers=UPGRADE | {"Origin": origin}) == 403
+            )
         good = {"Origin": base}
         assert await status(studio.address, headers=good) == 200
         assert await status(f"{base}/wrong/live", headers=UPGRADE | good) == 403
@@ -117,6 +123,15 @@ async def connected(studio):
     """A page, as a web socket that is closed at the end."""
     studio.sockets.append(await websocket_connect(live(studio)))
     return studio.sockets[-1]
+
+
+async def ended(studio, socket):
+    """Read a page to its end."""
+    while await socket.read_message() is not None:
+        pass
+    # or Tornado warns of a connection that was not closed at this end
+    socket.close()
+    studio.sockets.remove(socket)
 
 
 async def told(socket, kind):
@@ -188,8 +203,7 @@ def test_messages_beyond_the_size_close_the_page_alone(tmp_path):
         opened(studio)
         first, second = [await connected(studio) for _ in range(2)]
         await first.write_message("x" * (server.MESSAGE_SIZE + 1))
-        while await first.read_message() is not None:
-            pass
+        await ended(studio, first)
         await second.write_message('{"do": "commit", "design": [0.5]}')
         while (await told(second, "status"))["undo"] is False:
             pass
@@ -203,7 +217,7 @@ def test_pages_beyond_the_largest_number_are_closed(tmp_path):
         for socket in sockets:
             await told(socket, "status")
         more = await connected(studio)
-        assert await more.read_message() is None
+        await ended(studio, more)
         assert "pages are open" in more.close_reason
 
     with_studio(tmp_path, work)
