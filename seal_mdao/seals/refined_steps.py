@@ -18,6 +18,9 @@ from seal_mdao.seals.result import SealResult
 
 ROUNDS = 10
 """Largest number of times that the steps are divided."""
+DIVIDED = 0.5
+"""Drift of the steps that are divided, over the mean one: with less many small drifts stay, and further
+paths are needed; with more there are as many paths."""
 
 
 def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolerance, run):
@@ -60,8 +63,9 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
 
 
 def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the number of parts of every load step: two where its drift is at least the mean."""
-    split = (drift >= drift.mean()) & (error > tolerance)
+    """Return the number of parts of every load step: two where its drift is at least ``DIVIDED`` times
+    the mean."""
+    split = (drift >= DIVIDED * drift.mean()) & (error > tolerance)
     return np.where(split, 2, 1)
 
 
