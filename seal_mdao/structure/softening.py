@@ -189,10 +189,13 @@ def _refuse(definition) -> None:
     """Refuse bodies whose softening is not known."""
     environment = definition.environment
     if any(region.prony is not None for region in definition.regions):
-        raise ValueError("softening beside relaxation is not known; give a body one of them")
+        raise ValueError(
+            "softening together with relaxation is not available; give a body one of them"
+        )
     if environment is not None and environment.axial_stretch is not None:
         raise ValueError(
-            "softening is known in plane strain and in bodies of revolution, without an axial stretch"
+            "softening is available in plane strain and in bodies of revolution, without an axial "
+            "stretch"
         )
     for region in definition.regions:
         if region.softening is not None and not is_isochoric(region.material):

@@ -32,6 +32,7 @@ PRIVATE = {
     r"keeps? to (its|the) (\w+ )?limits?": "satisfies the limit",
     r"from which on": "the least ... that",
     r"(is|are) answered with": "the error gives, is followed by",
+    r"beside [\w.\[\]{} ]+; use one": "are given together",
     r"in earnest": "name what is done",
     r"where that is meant": "if this is intended",
 }

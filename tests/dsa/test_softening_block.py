@@ -100,7 +100,7 @@ STRETCHED = Environment(axial_stretch=ramp_of_stages(1.0, [1.02], [14]))
 @pytest.mark.parametrize(
     ("region", "environment", "words"),
     [({"material": FOAM}, None, "Hyperfoam is compressible"),
-     ({"prony": PronySeries((0.2,), (1.0,))}, None, "beside relaxation"),
+     ({"prony": PronySeries((0.2,), (1.0,))}, None, "together with relaxation"),
      ({}, STRETCHED, "without an axial stretch")],
 )  # fmt: skip
 def test_bodies_whose_softening_is_not_known_are_refused(seal, region, environment, words):

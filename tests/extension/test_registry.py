@@ -153,7 +153,7 @@ def test_what_is_no_such_extension(install, tmp_path, kind, name, old, words):
     ("stiffness = 300.0", "", "[[term]] 1: the key 'stiffness' is missing"),
     ('type = "ellipse"', 'type = "elipse"', "shape: type = 'elipse', but it must be one of ellipse"),
     ('"elastic_foundation"', '"foundation"', "type = 'foundation', but it must be one of elastic_f"),
-    ("start = [0.1", "line = [[0, 0], [1, 0]]\nstart = [0.1", "line beside shape; use one of them"),
+    ("start = [0.1", "line = [[0, 0], [1, 0]]\nstart = [0.1", "line and shape are given together"),
 ])  # fmt: skip
 def test_wrong_values_of_extensions(tmp_path, old, new, words):
     assert words in message(tmp_path, old, new)

@@ -187,7 +187,7 @@ BAD = {
                              "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]]; there"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "type of a measure": (WIDTH, 'type = "pressure"',
-                          "type = 'pressure', but it must be one of peak_pressure, cavity_pressure"),
+                          "type = 'pressure', but it must be one of peak_pressure, pressure_"),
     "unknown table": ("[fixed]", "[fixd]", "unknown table or key 'fixd' (did you mean 'fixed'?)"),
     "unknown key on top": ("[material", "speed = 1\n[material", "unknown table or key 'speed'; known"),
     "profile no list": (
@@ -275,7 +275,7 @@ BAD = {
                         "no.dxf: there is no such drawing"),
     "drawing and hole": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n'
                          '[[section.hole]]\nedge = "cavity"\n' + CIRCLE + "\n",
-                         "[[section.hole]] beside dxf; the drawing has the holes"),
+                         "[[section.hole]] cannot be combined with dxf; the drawing"),
     "unknown units": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n'
                       'units = "miles"\n', "[section]: units = 'miles', but it must be one of mm"),
     "edge without a name": (*without('edge = "base"\n'), "[[section.outer]] 1: the key 'edge' is missi"),
@@ -362,7 +362,7 @@ BAD = {
     "profile twice": (
         DOOR + "\nstart = [0.0, 14.45]",
         DOOR + "\nstart = [0.0, 14.45]\n[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]",
-        "line beside [[profile.segment]]; use one of them",
+        "line and [[profile.segment]] are given together; use one of them",
     ),
     "inside": ("start = [0.0, 14.45]", "start = [0.0, 13.0]", "[[profile]] 1 ('door'): start = (0, 13) "
                "puts the edge 'seal' 1 mm inside the rigid body at (0, 14); start it"),
@@ -441,7 +441,7 @@ BAD = {
     "leak of no profile": (WIDTH, LEAK + '\nprofile = "dor"', "[[measure]] 1: profile = 'dor', but"),
     "component z": (WIDTH, 'type = "reaction"\ncomponent = "z"', "component = 'z', but it must be one"),
     "component and direction": (WIDTH, REACTION + '\ncomponent = "y"\ndirection = [0.0, 1.0]',
-                                "[[measure]] 1: component beside direction; use one of them"),
+                                "[[measure]] 1: component and direction are given together"),
     "no direction of a force": (WIDTH, REACTION + "\ndirection = [0.0, 0.0]", "direction = [0.0, 0.0], "
                                 "but it must be a direction [x, y] that is not [0, 0], or \"travel\""),
     "travel beyond the path": (WIDTH, REACTION + "\ntravel = [1.0, 8.5]", "[[measure]] 1: travel = 8.5, "
@@ -450,9 +450,9 @@ BAD = {
     "no travels": (WIDTH, REACTION + "\ntravel = []", "travel = [], but it must be a travel along"),
     "no length": (WIDTH, REACTION + "\nlength = 0.0", "length = 0.0, but it must be a number above 0"),
     "two choices of stress": (WIDTH, STRESS + "\ncount = 2\nat = [[0.0, 14.0]]",
-                              "[[measure]] 1: at beside count; use one of them"),
+                              "[[measure]] 1: at and count are given together; use one of them"),
     "bound of chosen stresses": (WIDTH, STRESS + "\ncount = 2\nexcess = 0.1", "[[measure]] 1: excess "
-                                 "belongs to the maximum of the complete section; leave it out beside"),
+                                 "belongs to the maximum of the complete section; leave it out with"),
     "wide excess": (WIDTH, STRESS + "\nexcess = 1.5", "excess = 1.5, but it must be a number above 0"),
     "gaps of another seal": (WIDTH, 'type = "gap_square_sum"\npoints = "drawn"', "points = 'drawn', but "
                              "it must be one of design, nominal"),

@@ -120,7 +120,7 @@ def test_a_curve_in_a_file_is_the_one_in_the_table(tmp_path):
         ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "nothing but zeros"),
         ("[1.0, 0.5, 2.0]", "[1.0, -0.5, 2.0]", "weight = .*numbers of at least 0"),
         ("0.8, 1.1]", "0.8, 3.1]", "travel = 3.1, but the path of the profile 'door' is only 1.6"),
-        ("weight =", 'data = "cld.csv"\nweight =', "data beside travel and value"),
+        ("weight =", 'data = "cld.csv"\nweight =', "data and travel with value are given together"),
         ("upper = [3.0, 20.0]", "upper = [3.0, 20.0, 1.0]", "lower has 2 numbers, but upper has 3"),
         ("upper = [3.0, 20.0]", "upper = [3.0, 2.0]", "lower = 4 is above upper = 2"),
         (

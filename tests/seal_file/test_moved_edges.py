@@ -239,7 +239,7 @@ WRONG = {
     ),
     "edges and profile": (
         MOVED + '[[measure]]\ntype = "reaction"\nedges = ["top"]\nprofile = "top"\n',
-        "edges beside profile; use one of them",
+        "edges and profile are given together; use one of them",
     ),
     "contact of moved edges": (
         MOVED + '[[measure]]\ntype = "contact_width"\n',

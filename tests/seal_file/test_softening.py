@@ -240,7 +240,7 @@ REFUSED = [
     (BLOCK, '"profile_work"\n[', '"strain_energy"\n[', "strain_energy is not known of materials that"),
     (BLOCK, '"profile_work"\n[', '"friction_work"\n[', "profile_work over a closed cycle has both"),
     (BLOCK, "beta = 0.1 }", "beta = 0.1 }\nviscoelastic = { g = [0.3], tau = [1.0] }",
-     "softening beside relaxation"),
+     "softening together with relaxation"),
     (BLOCK, "stage = [1, 3]", "stage = [1, 5]", r"stage = \[1, 5\], but the path has 4 stages"),
     (BLOCK, "stage = [1, 3]", "stage = [3, 1]", "the second after the first"),
     (foam(BLOCK), "beta", "beta", "this law is compressible"),

@@ -118,7 +118,7 @@ def test_a_fraction_that_is_not_reached_is_no_number(tmp_path):
         ("fraction = 0.68", "fraction = 0.68\nstage = 3", "no dwell follows it"),
         ("fraction = 0.68", "fraction = 0.68\nstage = 4", "no dwell follows it"),
         ("fraction = 0.68", "fraction = 0.68\nstage = 9", "but the path has 4 stages"),
-        ("fraction = 0.68", "fraction = 0.68\ntravel = 0.2", "travel beside stage"),
+        ("fraction = 0.68", "fraction = 0.68\ntravel = 0.2", "travel and stage are given together"),
         ("fraction = 0.68", "stage = 1", "the key 'fraction' is missing"),
     ],
 )

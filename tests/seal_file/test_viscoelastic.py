@@ -411,7 +411,7 @@ def test_derivatives_of_measures_in_time(timed, name):
     ("measure", "words"),
     [
         ('type = "reaction"\nstage = 4', "stage = 4, but the path has 3"),
-        ('type = "reaction"\nstage = 1\ntime = 2.0', "stage beside time"),
+        ('type = "reaction"\nstage = 1\ntime = 2.0', "stage and time are given together"),
         ('type = "reaction"\ntime = 2000.0', "time = 2000 s, but the path takes 1002.5 s"),
         ('type = "retained_force"\nstage = 1', "must be two"),
         ('type = "compression_set"\nat = [0, 4]\nstage = 3', "stage = 3, but the path has 3"),

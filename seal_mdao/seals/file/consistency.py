@@ -116,7 +116,9 @@ def _check_designs(file) -> None:
         # boundaries on rays have no arc length and no tangents
         for what in ("between", "arc"):
             if getattr(design, what) is not None and isinstance(file.section.spacing, Rays):
-                raise SealFileError(f"{where}: {what} beside rays; fill [section] with a spacing")
+                raise SealFileError(
+                    f"{where}: {what} cannot be combined with rays; fill [section] with a spacing"
+                )
         for what, names in (("edges", design.edges or ()), ("opposite", design.moving[-1:])):
             if names and getattr(design, what) is not None:
                 check_edges(where, what, names, file.section.outline)
@@ -261,7 +263,7 @@ def _check_measures(file) -> None:
         cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
             raise SealFileError(
-                f"{where}: places are numbers of particles, which are known beside [section] cloud alone"
+                f"{where}: places are numbers of particles, which are known only with [section] cloud"
             )
         _check_work(where, measure, file)
         measure.check(where, file)

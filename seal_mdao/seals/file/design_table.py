@@ -82,14 +82,16 @@ class DesignTable(Table):
             )
         for name, owner in BESIDE.items():
             if getattr(self, name) is not None and given != [owner]:
-                raise ValueError(f"{name} beside {given[0]}; it belongs to {owner}")
+                raise ValueError(
+                    f"{name} cannot be combined with {given[0]}; it belongs to {owner}"
+                )
         if self.edges is not None and self.parameters is None:
             raise ValueError(
                 f"the key 'parameters' is missing; it must be {self.allowed('parameters')}"
             )
         if self.between is not None and len(self.edges) > 1:
             raise ValueError(
-                "between beside several edges; give every part a [[design]] of its own"
+                "between cannot be combined with several edges; give every part a [[design]] of its own"
             )
         return self
 

@@ -93,13 +93,13 @@ class ReactionTable(OfProfile):
     @model_validator(mode="after")
     def _one_direction(self):
         if self.edges is not None and self.profile is not None:
-            raise ValueError("edges beside profile; use one of them")
+            raise ValueError("edges and profile are given together; use one of them")
         # an axis, or a vector
         if self.component is not None and self.direction is not None:
-            raise ValueError("component beside direction; use one of them")
+            raise ValueError("component and direction are given together; use one of them")
         # one kind of places on the path
         if len(self._places) > 1:
-            raise ValueError(f"{' beside '.join(self._places)}; use one of them")
+            raise ValueError(f"{' and '.join(self._places)} are given together; use one of them")
         return self
 
     @property
@@ -202,7 +202,9 @@ class LoadDeflectionErrorTable(ReactionTable):
         if self.data is None:
             return self
         if self._places or self.value is not None:
-            raise SealFileError(f"{where}: data beside travel and value; use one of them")
+            raise SealFileError(
+                f"{where}: data and travel with value are given together; use one of them"
+            )
         try:
             travel, value = read_target(folder / self.data)
         except SealFileError as error:

@@ -267,11 +267,11 @@ class VonMisesTable(MeasureTable):
     def _one_choice(self):
         # places are given by points or by a number of maxima; the excess is that of the smooth maximum
         if self.at is not None and self.count is not None:
-            raise ValueError("at beside count; use one of them")
+            raise ValueError("at and count are given together; use one of them")
         for name in ("excess", "away_from_singular"):
             if getattr(self, name) is not None and not self.single:
                 raise ValueError(
-                    f"{name} belongs to the maximum of the complete section; leave it out beside at, "
+                    f"{name} belongs to the maximum of the complete section; leave it out with at, "
                     "count or places"
                 )
         return self

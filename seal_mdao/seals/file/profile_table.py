@@ -132,7 +132,7 @@ class ProfileTable(Staged, SegmentTable):
         if self.shape is None:
             check_simple(_corners(self.segments), self.closed)
         elif curves:
-            raise ValueError(f"{curves[0]} beside shape; use one of them")
+            raise ValueError(f"{curves[0]} and shape are given together; use one of them")
         return self
 
     @cached_property
@@ -141,7 +141,9 @@ class ProfileTable(Staged, SegmentTable):
         # keys of a single segment beside a list of them contradict each other
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
-            raise ValueError(f"{alone[0]} beside [[profile.segment]]; use one of them")
+            raise ValueError(
+                f"{alone[0]} and [[profile.segment]] are given together; use one of them"
+            )
         pieces = (self,) if self.segment is None else self.segment
         # one segment in this table, or those of [[profile.segment]] head to tail
         chain = [segment for piece in pieces for segment in piece.pieces(self.name)]

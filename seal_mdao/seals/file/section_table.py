@@ -134,7 +134,9 @@ class WrittenSection(Table):
             has = "both" if nominal else "neither"
             raise ValueError(f"needs either [[section.outer]] or dxf; it has {has}")
         if nominal and self.hole is not None:
-            raise ValueError("[[section.hole]] beside dxf; the drawing has the holes")
+            raise ValueError(
+                "[[section.hole]] cannot be combined with dxf; the drawing has the holes"
+            )
         if not nominal and self.units is not None:
             raise ValueError("units belongs to dxf; all numbers of this file are in mm")
         for name in ("parting", "ignore"):
@@ -156,7 +158,7 @@ class WrittenSection(Table):
                 + (" and ".join(given) or "none of them")
             )
         if self.rays is not None and self.region is not None:
-            raise ValueError("[[section.region]] beside rays; use spacing")
+            raise ValueError("[[section.region]] cannot be combined with rays; use spacing")
         if self.layers is not None and self.spacing is None:
             raise ValueError("layers belongs to spacing; rays and a cloud have their own")
         if self.edge_spacing is not None and self.spacing is None:

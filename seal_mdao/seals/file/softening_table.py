@@ -63,13 +63,13 @@ def check_softening(file) -> None:
         relaxing = [n for n, own in file.material_tables.items() if own.viscoelastic is not None]
         if relaxing:
             raise SealFileError(
-                f"{where}: softening beside relaxation ([material.{relaxing[0]}.viscoelastic]) is not "
-                "known; leave out either"
+                f"{where}: softening together with relaxation ([material.{relaxing[0]}.viscoelastic]) "
+                "is not available; leave out either"
             )
         if file.model.axial_stretch is not None:
             raise SealFileError(
-                f"{where}: softening is known in plane strain and in bodies of revolution, without an "
-                "axial_stretch; leave out either"
+                f"{where}: softening is available in plane strain and in bodies of revolution, without "
+                "an axial_stretch; leave out either"
             )
     for place, measure in enumerate(file.measures, 1):
         if softening and measure.type in _WITHOUT_HISTORY:
