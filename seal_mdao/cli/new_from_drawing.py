@@ -32,6 +32,8 @@ ANNOTATION = re.compile(
 """Names of layers of centre lines, dimensions, construction lines and frames, English and German."""
 LAYERED = "_edges.dxf"
 """End of the name of a drawing that is written with a layer for every edge."""
+PARTING = "parting"
+"""Layer of the lines between rubbers there."""
 MATERIAL = """\
 [material.{name}]
 shore_a = 60
@@ -111,9 +113,8 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     path, drawing, parting, ignore = _read(
         path, units, parting, ignore, folder / f"{name}{LAYERED}"
     )
-    if path.name.endswith(LAYERED):
-        # written with units of its own, and nothing to leave out
-        units, ignore = None, []
+    if path.name.endswith(LAYERED):  # written with units of its own
+        units = None
     # bounding box, mm
     low, high = np.array(drawing.outline.box)
     width, height = high - low
@@ -146,66 +147,82 @@ def _read(path, units, parting, ignore, layered: Path) -> tuple[Path, Drawing, l
     A drawing whose layers are not edges is written again to ``layered``, which is returned as its path.
     """
     try:
-        drawing = read_drawing(path, units, parting, ignore)
-        # one layer around all of the outside: no edge of it could be fixed and another pressed
-        single = len(drawing.outline.outer.edge_names) == 1 and not parting
-        if single and _write_layers(path, units, ignore, layered):
-            return layered, read_drawing(layered), parting, ignore
-        return path, drawing, parting, ignore
+        found = [(read_drawing(path, units, parting, ignore), parting, ignore)]
     except GeometryError:
-        found = [] if parting else _readable(path, units, ignore)
-        found = found or _without_annotation(path, units, parting, ignore)
-        if not found and not parting and _write_layers(path, units, ignore, layered):
-            return layered, read_drawing(layered), parting, ignore
+        found = _other_readings(path, units, parting, ignore)
+        if not found and not parting:
+            # whatever the layers are
+            written = _write_layers(path, units, ignore, layered)
+            if written is not None:
+                return layered, written, [], []
         # several layers, or none, with which the others are a section: the first error says more
         if len(found) != 1:
             raise
-    return path, *found[0]
+    drawing, parting, ignore = found[0]
+    # one layer around all of the outside: no edge of it could be fixed and another pressed
+    if len(drawing.outline.outer.edge_names) == 1:
+        written = _write_layers(path, units, [*ignore, *parting], layered, drawing)
+        if written is not None:
+            return layered, written, [PARTING] if drawing.parting else [], []
+    return path, drawing, parting, ignore
 
 
-def _write_layers(path, units, ignore, layered: Path) -> bool:
+def _write_layers(
+    path, units, ignore, layered: Path, drawing: Drawing | None = None
+) -> Drawing | None:
     """Write the section of a drawing, whatever its layers are, with a layer for every edge between
-    corners; False where the drawing is no section, or its outside has no corners."""
-    names = [own for own in boundary_layers(path) if ANNOTATION.search(own)]
-    for more in ((), names) if names else ((),):
+    corners, and read it; None where the drawing is no section, or its outside has no corners.
+
+    Lines between rubbers and texts are those of ``drawing``.
+    """
+    for more in ((), _annotation(path)):
         try:
             outline = read_by_corners(path, units, [*ignore, *more])
         except GeometryError:
             continue
         if len(outline.outer.edge_names) == 1:
-            return False
+            return None
         if layered.exists():
             raise WrongArgumentError(
                 f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
                 "layer of its own; take another name"
             )
-        write_dxf(outline, layered)
+        lines = {PARTING: drawing.parting} if drawing is not None and drawing.parting else {}
+        write_dxf(outline, layered, lines)
         print(
             f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
             f"a layer of its own, {', '.join(outline.edge_names)}"
         )
-        return True
-    return False
+        written = read_drawing(layered, parting=list(lines))
+        return written if drawing is None else written._replace(texts=drawing.texts)
+    return None
 
 
-def _without_annotation(path, units, parting, ignore) -> list[tuple]:
-    """Return the reading of a drawing without the layers whose names say that they are annotation, if
-    there are such layers and the others are a section."""
-    known = [own for own in boundary_layers(path) if own not in (*parting, *ignore)]
-    annotation = [own for own in known if ANNOTATION.search(own)]
-    if not annotation:
-        return []
-    try:
-        more = [*ignore, *annotation]
-        return [(read_drawing(path, units, parting, more), parting, more)]
-    except GeometryError:
-        return []
+def _other_readings(path, units, parting, ignore) -> list[tuple]:
+    """List the readings of a drawing, each with its parting layers and the layers left out: with a
+    single layer of parting lines, without the layers that are annotation by their names, or both."""
+    annotation = _annotation(path)
+    without = [*ignore, *(own for own in annotation if own not in (*parting, *ignore))]
+    found = [] if parting else _readable(path, units, ignore)
+    if not found and annotation:
+        try:
+            found = [(read_drawing(path, units, parting, without), parting, without)]
+        except GeometryError:
+            found = [] if parting else _readable(path, units, without)
+    return found
+
+
+def _annotation(path) -> list[str]:
+    """List the layers with geometry whose names say that they are annotation."""
+    return [own for own in boundary_layers(path) if ANNOTATION.search(own)]
 
 
 def _readable(path, units, ignore) -> list[tuple]:
     """List the readings of a drawing in which a single layer holds parting lines."""
     found = []
     for layer in boundary_layers(path):
+        if layer in ignore:
+            continue
         try:
             found.append((read_drawing(path, units, [layer], ignore), [layer], ignore))
         except GeometryError:

@@ -70,6 +70,36 @@ def test_a_drawn_centre_line_is_left_out_and_named(tmp_path, monkeypatch):
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("options", [[], ["--parting", "split"]], ids=["found", "given"])
+@pytest.mark.parametrize("axis", [False, True], ids=["no axis", "axis"])
+def test_one_layer_around_two_rubbers_gets_edges_and_keeps_the_line_between_them(
+    tmp_path, monkeypatch, options, axis
+):
+    """The texts of the drawing still name the rubbers; a centre line that crosses is left out."""
+    ezdxf = pytest.importorskip("ezdxf")
+    monkeypatch.chdir(tmp_path)
+    document = ezdxf.new("R2010", units=5)
+    model, corners = document.modelspace(), [(0, 0), (2, 0), (2, 3), (0, 3)]
+    model.add_lwpolyline(corners, close=True, dxfattribs={"layer": "contour"})
+    model.add_line((0, 1), (2, 1), {"layer": "split"})
+    for text, at in (("foot", (1, 0.5)), ("sponge", (1, 2))):
+        model.add_text(text, dxfattribs={"layer": "words"}).set_placement(at)
+    if axis:
+        model.add_line((1, -1), (1, 4), {"layer": "Mittellinie"})
+    document.saveas("block.dxf")
+    assert main(["new", "mine", "--from", "block.dxf", *options]) == 0
+    file = sm.read_seal_file("mine.toml")
+    assert file.section.outline.edge_names == ("base", "edge_1", "edge_2", "edge_3")
+    assert file.section.outline.area == pytest.approx(600.0)
+    assert file.fixed_edges == ("base",)
+    # the part below the line, of 20 x 10 mm, is the foot
+    assert list(file.materials) == ["sponge", "foot"]
+    text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    assert 'material = "sponge"\nspacing' in text
+    (region,) = file.section.regions
+    assert region.at == pytest.approx((10.0, 5.0))
+
+
 def test_a_drawing_that_is_no_section_is_refused_as_before(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     draw("bulb.dxf", gap=0.5, centre_line=False)
