@@ -47,6 +47,7 @@ GROUPS = {
     "revolution": "figures.revolution",
     "theory": "figures.theory",
     "tolerance_study": "figures.tolerance_study",
+    "ladder": "figures.ladder",
     "performance": "figures.performance",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""

@@ -49,7 +49,8 @@ def make(out: Path, reduced: bool) -> dict:
         for axes in (left, right):
             axes.legend()
         left.figure.get_layout_engine().set(wspace=0.06)
-    return {
+    path = figures["analysis of 35 load steps"]["growth exponent"]
+    return {"path_exponent": f"{path:.2f}"} | {
         f"{kind}_{solver}": _exponent(figures, solver, name)
         for solver in ("superlu", "pardiso")
         for kind, name in (("step", "load step"), ("iteration", "iteration"))

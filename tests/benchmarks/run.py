@@ -35,6 +35,8 @@ from seal_mdao.plotting.captions import today
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.door.door_seal import with_options
 
+PATH_CLOUDS = (58, 3), (58, 5), (116, 5), (174, 7)
+"""Radial rows and layers of complete paths."""
 CLOUDS = ((58, 3), (116, 5), (174, 7), (290, 11), (580, 21), (754, 27))
 
 
@@ -46,6 +48,13 @@ def best(function, repeats):
         function()
         times.append(time.perf_counter() - start)
     return min(times)
+
+
+def processor_time(function):
+    """Processor time of a call, s: other programs disturb it less than the time on the clock."""
+    start = time.process_time()
+    function()
+    return time.process_time() - start
 
 
 def dense_reference(n):
@@ -223,6 +232,22 @@ def growth(largest, solver):
     }
 
 
+def path_growth():
+    """Processor times of analyses of 35 load steps, default solver, and the exponent of their growth.
+
+    The exponent is that of the first and the last cloud, log(t_n / t_1) / log(N_n / N_1).
+    """
+    sizes, times, figures = [], [], {}
+    for rays, layers in PATH_CLOUDS:
+        seal = sm.door_seal(rays=rays, layers=layers, n_steps=35)
+        sm.analyze(seal)  # compiles kernels
+        times.append(min(processor_time(lambda seal=seal: sm.analyze(seal)) for _ in range(5)))
+        sizes.append(rays * layers)
+        figures[f"{rays} x {layers} particles (s)"] = times[-1]
+    exponent = np.log(times[-1] / times[0]) / np.log(sizes[-1] / sizes[0])
+    return figures | {"growth exponent": float(exponent)}
+
+
 def shares(largest):
     """Sensitivities over a short path that makes contact, against its analysis; factors kept."""
     rows = {}
@@ -296,25 +321,35 @@ def main(argv=None):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="write benchmarks.json and benchmarks.md there")
     parser.add_argument("--largest", type=int, default=21_000, help="largest cloud (particles)")
+    parser.add_argument("--only", metavar="TITLE", help="measure one table, keep those of --out")
     arguments = parser.parse_args(argv)
-    seal = sm.door_seal()
+    seal, largest = sm.door_seal(), arguments.largest
+    tables = {
+        "nominal seal, 174 particles": lambda: analysis_figures(seal),
+        "checks of the result": lambda: checks_figures(seal),
+        "estimates before an analysis": estimates,
+        "through OpenMDAO": lambda: openmdao_figures(seal),
+        '`accuracy="engineering"` beside finite elements': elements_figures,
+        "analysis of 35 load steps": path_growth,
+        **{f"growth, {s}": lambda s=s: growth(largest, s) for s in sparse_solvers()},
+        "sensitivities of 8 steps": lambda: shares(largest),
+        "start": start_up,
+    }
+    if arguments.only and arguments.only not in tables:
+        parser.error(f"unknown table {arguments.only!r}; there are {', '.join(tables)}")
+    stored = arguments.out / "benchmarks.json" if arguments.out else None
+    kept = json.loads(stored.read_text(encoding="utf-8")) if arguments.only and stored else {}
+    date = kept.pop("date", today())
     with threadpool_limits(1):
-        figures = {
-            "nominal seal, 174 particles": analysis_figures(seal),
-            "checks of the result": checks_figures(seal),
-            "estimates before an analysis": estimates(),
-            "through OpenMDAO": openmdao_figures(seal),
-            '`accuracy="engineering"` beside finite elements': elements_figures(),
-            **{f"growth, {s}": growth(arguments.largest, s) for s in sparse_solvers()},
-            "sensitivities of 8 steps": shares(arguments.largest),
-            "start": start_up(),
+        measured = {
+            title: table() for title, table in tables.items() if arguments.only in (None, title)
         }
+    # a new table comes last; those of solvers that are not installed stay
+    figures = kept | measured
     print(page(figures))
-    if arguments.out:
+    if stored:
         arguments.out.mkdir(parents=True, exist_ok=True)
-        (arguments.out / "benchmarks.json").write_text(
-            json.dumps({"date": today()} | figures, indent=1)
-        )
+        stored.write_text(json.dumps({"date": date} | figures, indent=1))
         (arguments.out / "benchmarks.md").write_text(page(figures), encoding="utf-8")
 
 
