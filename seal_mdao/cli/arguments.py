@@ -8,6 +8,7 @@ import math
 import sqlite3
 import sys
 import tempfile
+import warnings
 from collections.abc import Callable
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -207,6 +208,9 @@ def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
     with ExitStack() as stack:
         # figures name the seals that are read
         stack.enter_context(captioned())
+        # with the end of the block Python shows warnings as before
+        stack.enter_context(warnings.catch_warnings())
+        warnings.showwarning = _show_warning
         if arguments.quiet or arguments.json:
             # normal output is discarded
             stack.enter_context(redirect_stdout(io.StringIO()))
@@ -218,6 +222,11 @@ def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
         # --json: the summary alone on stdout, for other programs
         print((arguments.out / "summary.json").read_text(encoding="utf-8"), end="")
     return code
+
+
+def _show_warning(message, *_) -> None:
+    """Print a warning of Python, such as a ``KinkWarning``, as one line without its file."""
+    print(f"WARNING: {message}", file=sys.stderr)
 
 
 def _require_folder(made: argparse.ArgumentParser, out: Path) -> None:

@@ -16,6 +16,7 @@ from seal_mdao.cli.varied import Varied, varied
 from seal_mdao.export.csv_tables import write_sweep_curves
 from seal_mdao.plotting.captions import name_varied
 from seal_mdao.progress import hidden
+from seal_mdao.recording.recorded_optimization import label, shown_unit
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import frozen_measures
 
@@ -72,11 +73,11 @@ def measures_of(seal, nominal=None) -> tuple:
 
 def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
     """Draw the load-deflection curves, and all numbers at the end of the path over the varied one."""
-    label = f"{own.name} ({own.unit})".replace(" ()", "")
+    varied_one = f"{own.name} ({own.unit})".replace(" ()", "")
     # curves of all analyses with at least one converged load step
     nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
     if nominal and contacts(next(iter(nominal.values())).seal):
-        plotting.save(plotting.load_deflection_of(nominal, label), out / "sweep.png")
+        plotting.save(plotting.load_deflection_of(nominal, varied_one), out / "sweep.png")
     done = [line for line in rows if line["converged"]]
     if done:
         names = [name for name in done[0] if name not in ("value", "converged")]
@@ -85,13 +86,34 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
         ring = units.pop() if len(units) == 1 else None
         forces = [name for name in names if f"{_bare(name)}_{PER_MM}" in names] if ring else []
         beside = {f"{_bare(name)}_{PER_MM}" for name in forces}
+        # a seal with a short travel lacks measures beyond it
+        words = {n: own for result in results.values() for n, own in titles(result.seal).items()}
         columns = {
-            name: [np.nan if line[name] is None else line[name] for line in done]
+            words[name]: [np.nan if line[name] is None else line[name] for line in done]
             for name in names
             if name not in beside
         }
+        forces = [words[name] for name in forces]
         at = [line["value"] for line in done]
-        plotting.save(plotting.numbers_over(label, at, columns, ring, forces), out / "measures.png")
+        figure = plotting.numbers_over(varied_one, at, columns, ring, forces)
+        plotting.save(figure, out / "measures.png")
+
+
+def titles(seal) -> dict[str, str]:
+    """Describe the numbers of ``row`` by their names: what they are, with units."""
+    units = seal.units
+    shown_units = {units.force_key: units.force, PER_MM: "N per mm"}
+    found = {
+        name: f"{direction} force on {contact.label} ({unit})"
+        for contact in contacts(seal)
+        for key, unit in shown_units.items()
+        for name, direction in zip(_force_names(contact.label, key), units.directions, strict=True)
+    }
+    for measure in (*seal.standard, *seal.further):
+        unit = shown_unit(units.of(measure.units))
+        found[measure.name] = f"{label(measure.name)} ({unit})".replace(" ()", "")
+        found[f"{measure.name}_{PER_MM}"] = f"{label(measure.name)} (N per mm)"
+    return found
 
 
 def _bare(name: str) -> str:
@@ -119,7 +141,12 @@ def row(value: float, result, measures) -> dict:
 
 def _forces(label: str, unit: str, force) -> dict:
     """Name both components of a force on a profile."""
-    return {f"{label}_F{axis}_{unit}": own for axis, own in zip("xy", force, strict=True)}
+    return dict(zip(_force_names(label, unit), force, strict=True))
+
+
+def _force_names(label: str, unit: str) -> list[str]:
+    """Name the components x and y of the force on a profile, with a unit."""
+    return [f"{label}_F{axis}_{unit}" for axis in "xy"]
 
 
 def shown(value) -> str:

@@ -27,11 +27,11 @@ def numbers_over(
         Of the varied number, with its unit.
     values : sequence of float
     columns : mapping of str to sequence
-        Numbers at the values by their names.
+        Numbers at the values by the titles of their panels.
     ring : ResultUnits, optional
         Of rings of one circumference: ``forces`` have a right axis in N per mm of it.
     forces : collection of str
-        Names of the columns that are forces, N.
+        Titles of the columns that are forces, N.
     """
     across = min(MOST_COLUMNS, len(columns))
     down = -(-len(columns) // across)
@@ -40,7 +40,7 @@ def numbers_over(
         axes.set_visible(False)
     for axes, (name, numbers) in zip(grid.flat, columns.items(), strict=False):
         axes.plot(values, numbers, "o-", color=BLUE)
-        axes.set_title(name.replace("_", " "), loc="left", fontsize=9.5)
+        axes.set_title(name, loc="left", fontsize=9.5)
         axes.set_xlabel(label)
         if name in forces:
             add_length_axis(axes, ring)

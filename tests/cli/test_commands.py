@@ -4,6 +4,7 @@ import csv
 import json
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +18,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli import examples
 from seal_mdao.cli.analyze import stress_line
-from seal_mdao.cli.arguments import WrongArgumentError
+from seal_mdao.cli.arguments import WrongArgumentError, parser, run
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
 from seal_mdao.plotting.animation import check_format
@@ -667,3 +668,16 @@ def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, ca
         main(["compare", str(bulb), "--out", str(tmp_path)])
     assert ended.value.code == 2
     assert "has no profile" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("default")
+def test_warnings_of_python_are_lines_of_the_command(tmp_path, capsys):
+    """Without file, line number and source, which the user of a command does not know."""
+
+    def command(arguments):
+        warnings.warn("contact is at a kink", sm.KinkWarning, stacklevel=1)
+        return 0
+
+    made = parser("a command for this test", str(tmp_path))
+    assert run(made, command, []) == 0
+    assert capsys.readouterr().err == "WARNING: contact is at a kink\n"

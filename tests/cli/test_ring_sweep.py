@@ -40,7 +40,9 @@ def test_forces_of_a_ring_are_per_mm_of_its_circumference_too(tmp_path, monkeypa
         assert float(row["Fy_N_per_mm"]) == pytest.approx(wanted, rel=1e-9)
     # a right axis in N per mm, no panel of its own
     panels = {axes.get_title(loc="left"): axes for axes in drawn["measures.png"].axes}
-    assert set(panels) - {""} == {"plate Fx N", "plate Fy N", "reaction"}
+    assert set(panels) - {""} == {
+        "radial force on plate (N)", "axial force on plate (N)", "reaction (N)",
+    }  # fmt: skip
     for axes in filter(lambda own: own.get_title(loc="left"), panels.values()):
         (right,) = axes.child_axes
         low, high = axes.get_ylim()
@@ -53,7 +55,9 @@ def test_rings_of_different_circumference_have_panels_of_their_own(tmp_path, mon
     """The mean radius of the particles changes with their spacing."""
     drawn, rows, _, _ = swept(tmp_path, monkeypatch, "section.spacing", "0.5,0.6")
     titles = {axes.get_title(loc="left"): axes for axes in drawn["measures.png"].axes}
-    assert {"plate Fy N", "plate Fy N per mm", "reaction", "reaction N per mm"} <= set(titles)
+    force = "axial force on plate"
+    assert {f"{force} (N)", f"{force} (N per mm)"} <= set(titles)
+    assert {"reaction (N)", "reaction (N per mm)"} <= set(titles)
     assert not any(axes.child_axes for axes in titles.values())
     ratios = [float(row["plate_Fy_N"]) / float(row["plate_Fy_N_per_mm"]) for row in rows]
     assert ratios[0] != pytest.approx(ratios[1], rel=1e-6)
