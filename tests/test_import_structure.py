@@ -8,8 +8,8 @@ import seal_mdao
 
 PACKAGE = Path(seal_mdao.__file__).parent
 NUMERICS = (
-    "analysis", "calibration", "contact", "dsa", "equilibrium", "geometry", "loads", "materials",
-    "measures", "rkpm", "scenarios", "seals", "structure", "terms", "tolerances", "errors",
+    "accuracy", "analysis", "calibration", "contact", "dsa", "equilibrium", "geometry", "loads",
+    "materials", "measures", "rkpm", "scenarios", "seals", "structure", "terms", "tolerances", "errors",
 )  # fmt: skip
 
 

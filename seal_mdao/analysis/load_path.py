@@ -2,13 +2,14 @@
 
 Every increment goes through the same list, each entry only where those before it failed:
 
-1. Where walls of the body face each other: mixed iterations from a predictor that satisfies their
+1. Where a nearby solution is known (``solve_path(near=...)``): mixed iterations from there.
+2. Where walls of the body face each other: mixed iterations from a predictor that satisfies their
    contact law (``linear_contact``).
-2. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
-3. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
+3. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
+4. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
    large clouds; Newton's method; mixed iterations, for stiff contact.
-4. Half of the increment, until it is the smallest one.
-5. Another equilibrium, beyond a limit point (``limit_points.beyond``).
+5. Half of the increment, until it is the smallest one.
+6. Another equilibrium, beyond a limit point (``limit_points.beyond``).
 
 A step that was halved is solved as one from where its parts led, under friction.
 
@@ -29,7 +30,7 @@ from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jumped
 from seal_mdao.analysis.limit_points import beyond, shortened
 from seal_mdao.analysis.linear_contact import predicted
 from seal_mdao.analysis.mixed_newton import mixed_newton
-from seal_mdao.analysis.newton import NewtonOptions, newton
+from seal_mdao.analysis.newton import NewtonOptions, iterate, newton
 from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.predictor import bend_of, predict, predictors
 from seal_mdao.analysis.problem import PathProblem
@@ -125,10 +126,12 @@ class _Path:
         Bytes for the factors that are kept.
     note : callable or None
         Called in every iteration of damped motion.
+    near : callable or None
+        As of ``solve_path``.
     """
 
-    def __init__(self, problem: PathProblem, n_steps: int, options, memory: float, note):
-        self.problem, self.n_steps, self.options = problem, n_steps, options
+    def __init__(self, problem: PathProblem, n_steps: int, options, memory: float, note, near):
+        self.problem, self.n_steps, self.options, self.near = problem, n_steps, options, near
         self.memory, self.note = memory, note
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
         self.reuse = Reuse()
@@ -190,7 +193,14 @@ class _Path:
 
     def _solved(self, increment: Increment, euler):
         """Try the correctors from each predictor in turn; return the solution and its predictor."""
-        tried, guess = (), predicted(increment, euler[0])
+        tried, near = (), None if self.near is None else self.near(increment)
+        if near is not None:
+            found = iterate(increment, *near, mixed=True)
+            found = _judged(increment, found, near[0])
+            if found.converged:
+                return found, near[0]
+            tried = found.residuals
+        guess = predicted(increment, euler[0])
         if guess is not None:
             # walls face each other: mixed iterations whose linear steps satisfy the contact law
             found = mixed_newton(increment, guess)
@@ -198,7 +208,7 @@ class _Path:
                 found = _judged(increment, found, guess)
                 if found.status in (Status.CONVERGED, Status.UNSTABLE):
                     return found, guess
-            tried = found.residuals
+            tried += found.residuals
         for guess in predictors(increment, euler, self.bend):
             found = corrected(increment, guess, self.reuse).after(tried)
             if found.converged:
@@ -273,6 +283,7 @@ def solve_path(
     callback: Callable[[ConvergedStep], None] | None = None,
     resume: PathState | None = None,
     states: dict | None = None,
+    near: Callable | None = None,
 ) -> PathResult:
     """Follow the program of a problem's terms from the undeformed state.
 
@@ -290,6 +301,9 @@ def solve_path(
     resume : PathState, optional
         Of a path of the same body and terms whose nominal steps are the same up to there: those steps
         are taken, bit for bit what they would be.
+    near : callable, optional
+        ``near(increment)`` returns displacements (n, 2) near the solution and the state of mixed
+        iterations there (``PathProblem.begin_near``), or None.
     states : dict of int to PathState, optional
         Added to: the state after every nominal step that is solved, by the number of nominal steps.
 
@@ -305,7 +319,7 @@ def solve_path(
     """
     options = NewtonOptions() if options is None else options
     path = _Path(
-        problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None)
+        problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None), near
     )
     begin = 0 if resume is None else path.resume(resume)
     # report the steps that were taken as if they were solved now

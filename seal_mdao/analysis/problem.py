@@ -127,6 +127,13 @@ class PathProblem:
             term.begin_mixed(step, response, target)
         return tuple(term.iteration for term in self.terms)
 
+    def begin_near(self, d, target: float, known: tuple) -> tuple:
+        """Return the state of mixed iterations that begin at displacements ``d`` near a solution, with
+        what is ``known`` of it, one entry a term."""
+        for term, own in zip(self.terms, known, strict=True):
+            term.begin_near(d, target, own)
+        return tuple(term.iteration for term in self.terms)
+
     @property
     def touches_itself(self) -> bool:
         """Whether walls of the body may face each other."""

@@ -8,6 +8,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.accuracy.error_estimate import estimate_errors
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import (
     announce,
@@ -19,6 +20,7 @@ from seal_mdao.cli.arguments import (
     print_warnings,
     write_summary,
 )
+from seal_mdao.cli.error_table import error_summary, print_errors
 from seal_mdao.cli.force_table import print_forces
 from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
@@ -60,6 +62,12 @@ def main(arguments) -> int:
     summary = summarize(result) | {"wall_s": wall}
     write_summary(arguments.out, summary)
     report(result, summary)
+    if arguments.errors and result.converged:
+        # other analyses follow, and the summary again with what they say
+        estimates = errors_of(file, result)
+        write_summary(arguments.out, summary | {"errors": error_summary(estimates)})
+        print_errors(estimates, result)
+        plotting.save(plotting.error_parts(estimates), arguments.out / "errors.png")
     # figures need at least one converged load step
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
@@ -86,6 +94,12 @@ def analyzed(file) -> tuple[SealResult, float]:
         # factors are reused by the adjoint gradients of the measures
         result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
     return result, time.perf_counter() - begun
+
+
+def errors_of(file, result: SealResult) -> dict:
+    """Estimate the errors of all measures, with progress."""
+    with LoadStepProgress(None, "error estimate") as progress:
+        return estimate_errors(file, result, progress)
 
 
 def summarize(result: SealResult) -> dict:
@@ -331,6 +345,11 @@ def arguments_parser():
     made.add_argument(
         "--vtu", action=argparse.BooleanOptionalAction, default=None,
         help="VTU series for ParaView; written when left out if meshio is there",
+    )  # fmt: skip
+    made.add_argument(
+        "--errors", action="store_true",
+        help="estimate the errors of all measures by particles, load steps and penalties; takes one "
+        "to three times as long as the analysis",
     )  # fmt: skip
     made.add_argument(
         "--abaqus",

@@ -221,6 +221,19 @@ class ContactTerm(PointTerm):
         no_slip = np.zeros_like(self._direction)
         self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap, no_slip
 
+    def begin_near(self, d, target, known):
+        """The points at displacements ``d``, with the gaps ``known`` (k,) that their pressure needs."""
+        if known is None:
+            return self.begin(None)
+        x = self.deformed(self.discretization.transformation.coefficients(d)).copy()
+        pose = self.pose(target)
+        place, normal, gap = x.copy(), np.zeros_like(x), np.zeros(len(x))
+        linearized_positions(self.curve, pose, x, place, normal, gap)
+        # as if linearised beside x along the tangent, where the gap is the known one
+        across = np.column_stack([-normal[:, 1], normal[:, 0]])
+        place = x - self._size * across
+        self._linearized = place, normal, known.copy(), np.zeros_like(self._direction)
+
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The law linearised at the places z whose gaps the last linearisation expects: with x - z
         along the normal, f = f(z) + T(z) (x - z). Points are open, stick and slip as they do at z, so

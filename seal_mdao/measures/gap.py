@@ -45,6 +45,10 @@ class Gap(Measure):
         opened = open_between(nominal, self.profile)
         return replace(self, points=tuple(int(point) for point in opened))
 
+    def on_refined(self, fine, particles):
+        # other particles are open there
+        return None
+
     def size(self, seal):
         return len(self.points)
 
@@ -123,6 +127,10 @@ class OpenGapSquareSum(BetweenContacts):
     name: str = "gap_square_sum"
     units = "mm**2"
     text = "Sum of the squared gaps between the first and the last contact."
+
+    def on_refined(self, fine, particles):
+        # twice as many particles give twice the sum
+        return None
 
     def evaluate(self, result, partials):
         points, gap = self.open_gaps(result)

@@ -176,6 +176,19 @@ class Measure:
         ``selects_points``."""
         return self
 
+    def on_refined(self, fine, particles: np.ndarray) -> "Measure | None":
+        """Return the measure on a finer cloud of the same section; None where its value depends on the
+        number of particles, such as a sum over them.
+
+        Parameters
+        ----------
+        fine : SealResult
+            Completed analysis of the finer cloud, on which other points are selected.
+        particles : ndarray of int, shape (n,)
+            Index there of every particle of this measure's cloud.
+        """
+        return self.frozen(fine) if self.selects_points else self
+
     def size(self, seal) -> int:
         """Number of values."""
         return 1
@@ -219,6 +232,10 @@ class Derived(Measure):
 
     def frozen(self, nominal):
         return replace(self, base=self.base.frozen(nominal))
+
+    def on_refined(self, fine, particles):
+        base = self.base.on_refined(fine, particles)
+        return None if base is None else replace(self, base=base)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Measures of the deformed and the undeformed section."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,9 @@ class Displacement(Measure):
     name: str = "displacement"
     units = "mm"
     text = "Displacement of a particle: horizontal, vertical."
+
+    def on_refined(self, fine, particles):
+        return replace(self, point=int(particles[self.point]))
 
     def size(self, seal):
         return 2

@@ -48,6 +48,10 @@ class VonMises(Measure):
         peaks = boundary_peaks(rows, nominal.stress_field(), self.count)
         return replace(self, points=tuple(int(p) for p in peaks))
 
+    def on_refined(self, fine, particles):
+        # the same places
+        return replace(self, points=tuple(particles[list(self.points)].tolist()))
+
     def size(self, seal):
         return self.count if self.points is None else len(self.points)
 
@@ -91,6 +95,11 @@ class StressNorm(Measure):
     name: str = "stress_norm"
     units = "kPa"
     text = "p-norm of the von Mises stress of the particles, an upper bound."
+
+    def on_refined(self, fine, particles):
+        # the same places: more of them would make the sum larger
+        own = particles if self.points is None else particles[list(self.points)]
+        return replace(self, points=tuple(own.tolist()))
 
     def evaluate(self, result, partials):
         n = len(result.particles)

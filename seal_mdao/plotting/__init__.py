@@ -18,6 +18,7 @@ _FUNCTIONS = {
     "derivative_errors": "sensitivity_errors step_study",
     "material_figures": "material_fit calibration_figure",
     "calibration_curves": "force_calibration",
+    "error_figures": "error_parts",
     "relaxation_figures": "relaxation_fit",
     "softening_figures": "softening_fit",
     "target_figures": "force_targets",

@@ -521,6 +521,7 @@ def analyze_particles(
     discretization: Discretization | None = None,
     resume: PathState | None = None,
     states: dict | None = None,
+    near: Callable | None = None,
 ) -> SealResult:
     """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
@@ -549,7 +550,7 @@ def analyze_particles(
     problem = PathProblem(discretization, terms, seal.imposed())
     try:
         path = solve_path(
-            problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states
+            problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states, near
         )
     except GeometryError:
         # a design that has grown into a profile: that begins farther back

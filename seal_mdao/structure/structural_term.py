@@ -52,6 +52,12 @@ class StructuralResponse(NamedTuple):
         return self
 
 
+class GivenSwelling(NamedTuple):
+    """Swelling (1, n_columns, m) whose pressure the tangent of the first mixed iteration has."""
+
+    swelling: np.ndarray
+
+
 class ColumnsVolumetric(NamedTuple):
     """Volumetric energy K*/2 (s + c)^2 of the columns of cells at K path parameters.
 
@@ -344,7 +350,11 @@ class StructuralTerm(Term):
             assemble_internal(*quadrature, now, *law, force, values)
             return response
         # tangent with the pressure of the linearised swelling, force with the exact one
-        expected = now._replace(swelling=now.swelling - self._beyond_linear(table, d - before))
+        if isinstance(before, GivenSwelling):
+            swelling = before.swelling
+        else:
+            swelling = now.swelling - self._beyond_linear(table, d - before)
+        expected = now._replace(swelling=swelling)
         assemble_internal(*quadrature, now, *law, force, np.empty(0))
         assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
         return response
@@ -374,6 +384,13 @@ class StructuralTerm(Term):
         # sum_q N_h w det G / V_h
         return (weights * beyond) @ functions.T / (weights @ functions.T)
 
+    def swelling_at(self, d: np.ndarray, fraction: float) -> np.ndarray:
+        """Compute the projected volume change of the columns of cells at displacements ``d`` (n, 2),
+        shape (n_columns, m)."""
+        found = self._placed(no_deformation(1, self.cells, len(self.functions)), [fraction])
+        deform(self.cells.table, self.cells.column_weights, self.functions, d, found)
+        return found.swelling[0]
+
     # ---- mixed iterations ----
 
     def begin(self, iteration=None):
@@ -386,6 +403,10 @@ class StructuralTerm(Term):
 
     def begin_mixed(self, step, response, target):
         self._before = self.discretization.transformation.coefficients(step.d)
+
+    def begin_near(self, d, target, known):
+        # known: swelling (n_columns, m)
+        self._before = None if known is None else GivenSwelling(known[None])
 
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The pressure in the tangent is K times the linearised swelling: what a linearised rotation

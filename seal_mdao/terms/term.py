@@ -168,6 +168,16 @@ class Term:
     def begin_mixed(self, step, response: Response, target: float) -> None:
         """Take a converged step as the first linearisation of ``add_mixed`` at ``target``."""
 
+    def begin_near(self, d, target: float, known) -> None:
+        """Begin mixed iterations at displacements ``d`` (n, 2) near a solution at ``target``.
+
+        Parameters
+        ----------
+        known : ndarray or None
+            What of the solution is known to the term: the swelling of the body, the gaps of a contact.
+        """
+        self.begin(None)
+
     def add_mixed(self, d, raw, fraction, history, force, values) -> Response | None:
         """As ``add``, for mixed iterations (``analysis.mixed_newton``): stresses and contact forces in
         the tangent are those that the last linearisation led to. Same as ``add`` where d has converged.

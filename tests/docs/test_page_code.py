@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from cord_files import cord
 from openmdao.utils.assert_utils import assert_check_totals
 
 import seal_mdao as sm
@@ -12,6 +13,7 @@ from seal_mdao.seals.door.door_seal import options_of
 
 PYTHON = re.compile(r"```python\n(.*?)```", re.DOTALL)
 RUN = {
+    "accuracy_at_a_glance.md",
     "start_openmdao.md",
     "reference/api.md",
     "extend.md",
@@ -68,6 +70,13 @@ def test_analysis_without_openmdao(run_page, capsys):
     assert square == names["result"].gap_square_sum
     assert names["rates"].parameters[-1] == "friction"
     assert by_friction == names["rates"].gap_square_sum[-1] < 0.0
+
+
+def test_error_bars(run_page, tmp_path):
+    cord(tmp_path).rename(tmp_path / "seal.toml")
+    (names,) = run_page("accuracy_at_a_glance.md")
+    found = names["estimates"]["reaction"]
+    assert found.bar >= abs(found.particles) > 0.0
 
 
 def test_fit_of_a_rubber(run_page, capsys):

@@ -1,0 +1,1 @@
+"""Estimated errors of measures by particles, load steps and penalties."""

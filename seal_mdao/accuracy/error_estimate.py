@@ -1,0 +1,269 @@
+"""Estimate the error of every measure of a seal by its particles, its load steps and its penalties.
+
+    particles   4/3 (m_h - m_(h/2)), both in the same few load steps: the error falls with the square of
+                the spacing h of the particles, so m_h - m = 4/3 (m_h - m_(h/2))
+    load steps  (m_n - m_N) / (N/n - 1), with n of the N load steps: first order in the step
+    penalties   -w dm/dw (``seals.penalty_error``)
+
+m_(h/2) is the measure on a cloud with all cells divided into four. The error of few load steps is nearly
+the same on both clouds and drops out of the difference. Iterations begin at the solution of the coarse
+cloud (``prolongation``), so that three to six of them lead to equilibrium of the finer one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from seal_mdao.accuracy.prolongation import Prolongation
+from seal_mdao.accuracy.refined_file import refined_file
+from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.errors import GeometryError, LoadPathError
+from seal_mdao.measures.measure import Measure
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.file.chosen import chosen_ends
+from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.penalty_error import scale_of, standard_measures
+from seal_mdao.seals.profiles import motions
+from seal_mdao.seals.result import SealResult, analyze_particles
+from seal_mdao.seals.seal import Seal
+
+FEW = 8
+"""Load steps in which both clouds are solved, at most half of those of the seal."""
+MORE = 3
+"""Factor on their number where that fails, once."""
+MOST_CUTS = 2
+"""How often a load step of these paths may be halved."""
+ORDER = 2
+"""Order of the error in the spacing of the particles."""
+TOLERANCE = 1e-5
+"""Relative residual of paths that are compared only with each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimate:
+    """Estimated errors of a measure, value minus exact value, in its unit.
+
+    Attributes
+    ----------
+    value : ndarray, shape (m,)
+        Of the measure in the analysis whose errors these are.
+    particles, load_steps, penalties : ndarray, shape (m,), or None
+        Parts of the error; None where a part is not known.
+    scale : float
+        Reference value of relative errors (``seals.penalty_error.scale_of``).
+    unknown : str
+        Why parts are not known; empty where all are.
+    """
+
+    value: np.ndarray
+    particles: np.ndarray | None
+    load_steps: np.ndarray | None
+    penalties: np.ndarray | None
+    scale: float
+    unknown: str = ""
+
+    @property
+    def parts(self) -> dict:
+        """Parts of the error by their names, None where not known."""
+        return {
+            "particles": self.particles, "load_steps": self.load_steps, "penalties": self.penalties
+        }  # fmt: skip
+
+    @property
+    def error(self) -> np.ndarray | None:
+        """Sum of all parts with their signs, shape (m,); None where one is not known."""
+        parts = list(self.parts.values())
+        return None if any(part is None for part in parts) else np.sum(parts, axis=0)
+
+    @property
+    def bar(self) -> np.ndarray | None:
+        """Sum of the amounts of all parts, the half-width of an error bar, shape (m,); None where one is
+        not known."""
+        # parts of opposite sign do not make an error bar shorter
+        parts = list(self.parts.values())
+        return None if any(part is None for part in parts) else np.abs(parts).sum(axis=0)
+
+
+def estimate_errors(
+    file: SealFile, result: SealResult, callback: Callable | None = None
+) -> dict[str, ErrorEstimate]:
+    """Estimate the errors of the standard measures of a seal, and of the force on every profile.
+
+    Solves the path in a few load steps on the cloud of the file and on one with all cells divided into
+    four, which takes about as long as choosing load steps and penalties and the analysis together.
+
+    Parameters
+    ----------
+    file : SealFile
+    result : SealResult
+        Completed analysis of its nominal seal, possibly with other parameters.
+    callback : callable, optional
+        As of ``seals.steps_and_penalties.choose``.
+
+    Returns
+    -------
+    dict of str to ErrorEstimate
+        By the name of the measure.
+
+    Raises
+    ------
+    LoadPathError
+        For a path that was not completed.
+    ValueError
+        For a changed design; write it to a file of its own (``seals.file.export``).
+    """
+    result.require_converged()
+    if np.any(result.boundary_offsets):
+        raise ValueError("errors are estimated of the section that the file has, not of a design")
+    paths = _Paths(file, result, callback)
+    found = {}
+    for measure in standard_measures(result):
+        value = result.value(measure)
+        parts = (
+            _by_particles(measure, paths), _by_steps(measure, value, paths),
+            _by_penalties(measure, value, result),
+        )  # fmt: skip
+        # a part is its value, or the reason why there is none
+        unknown = dict.fromkeys(part for part in parts if isinstance(part, str))
+        parts = (None if isinstance(part, str) else part for part in parts)
+        scale = scale_of(measure, result)
+        found[measure.name] = ErrorEstimate(value, *parts, scale, "; ".join(unknown))
+    return found
+
+
+class _Paths:
+    """The paths in few load steps that are compared with each other and with that of a result.
+
+    Parameters are those of ``estimate_errors``.
+
+    Attributes
+    ----------
+    coarse : SealResult or None
+        On the cloud of the result; None where it fails.
+    fine : SealResult or None
+        On the finer cloud.
+    kept : ndarray of int, shape (n,)
+        Index in the finer cloud of every particle.
+    failure : str
+        Why a path is missing.
+    """
+
+    def __init__(self, file: SealFile, result: SealResult, callback: Callable | None):
+        self.result, self.callback, self.number = result, callback, 0
+        self.coarse = self.fine = self.kept = None
+        self.failure = ""
+        seal, fewest = result.seal, min(FEW, result.seal.n_steps // 2)
+        try:
+            finer, self.kept, parents = refined_file(file, seal)
+            fine_seal = _like(unchosen_seal(finer), seal)
+            fine = discretize(fine_seal.body, fine_seal.nominal_particles, fine_seal.terms())
+        except (GeometryError, ValueError) as error:
+            self.failure = f"the section cannot be filled with smaller cells: {error}"
+            return
+        # ends of the load steps of the seal in those of the unchosen one
+        given = np.arange(1.0, seal.n_steps + 1.0)
+        if file.step_tolerance is not None:
+            given = np.array(chosen_ends(seal))
+        for count in (fewest, MORE * fewest):
+            ends = some_ends(seal, count)
+            own, other = seal.with_ends(ends), fine_seal.with_ends(given[ends.astype(int) - 1])
+            if self._solve(own, other, ends, fine, parents):
+                break
+
+    def _solve(self, seal: Seal, fine_seal: Seal, ends, fine, parents) -> bool:
+        """Analyse both clouds in the load steps that end at ``ends``; return whether both paths are
+        complete."""
+        # iterations begin at the path of the result, then at that in few load steps
+        path = self.result.path
+        steps = {k: path.nominal_steps[int(end) - 1] for k, end in enumerate(ends, 1)}
+        coarse = self._near(seal, Prolongation(path, steps, path.discretization))
+        if not coarse.converged:
+            self.failure = f"in {seal.n_steps} load steps {coarse.failure}"
+            return False
+        self.coarse = coarse
+        steps = dict(enumerate(coarse.path.nominal_steps, 1))
+        found = self._near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
+        if not found.converged:
+            self.failure = f"with half of the spacing {found.failure}"
+            return False
+        self.fine, self.failure = found, ""
+        return True
+
+    def _near(self, seal: Seal, near: Prolongation) -> SealResult:
+        """Analyse a seal whose iterations begin at another path; its own path may end early."""
+        self.number += 1
+        report = getattr(self.callback, "begin_analysis", None)
+        if report is not None:
+            report(self.number, max(2, self.number), seal.n_steps)
+        # where iterations fail beside a known solution, long searches for another one are of no use
+        newton = replace(
+            seal.newton, tolerance=max(seal.newton.tolerance, TOLERANCE), max_cuts=MOST_CUTS,
+            damped_iterations=0,
+        )  # fmt: skip
+        return analyze_particles(
+            replace(seal, newton=newton), seal.nominal_particles, discretization=near.fine,
+            callback=self.callback, near=near,
+        )  # fmt: skip
+
+
+def some_ends(seal: Seal, count: int) -> np.ndarray:
+    """Select about ``count`` even ones of the load steps of a seal, and the ends of its stages.
+
+    Returns
+    -------
+    ndarray
+        Ends in nominal steps, for ``Seal.with_ends``.
+    """
+    # every k-th end, counted from the last, and the ends of stages
+    every = -(-seal.n_steps // max(count, 1))
+    stages = [np.cumsum(motion.steps) for motion in motions(seal)]
+    ends = np.unique(np.concatenate([*stages, np.arange(seal.n_steps, 0, -every)]))
+    return ends[ends > 0].astype(float)
+
+
+def _like(fine: Seal, seal: Seal) -> Seal:
+    """Give a seal of the same file the parameters of another, the chosen penalties included."""
+    known = fine.scalars
+    same = {name: own.value for name, own in seal.scalars.items() if name in known}
+    return fine.with_parameters(same)
+
+
+def _by_particles(measure: Measure, paths: _Paths) -> np.ndarray | str:
+    """Compute 4/3 (m_h - m_(h/2)), or the reason why it is not known."""
+    if paths.fine is None:
+        return paths.failure
+    finer = measure.on_refined(paths.fine, paths.kept)
+    if finer is None:
+        return f"the value of {measure.name} depends on the number of particles"
+    try:
+        values = paths.coarse.value(measure), paths.fine.value(finer)
+    except LoadPathError as error:
+        return str(error)
+    if values[0].shape != values[1].shape:
+        return f"{measure.name} has other points with half of the spacing"
+    # m_h - m = (m_h - m_(h/2)) / (1 - 2^-p)
+    error = (values[0] - values[1]) / (1.0 - 0.5**ORDER)
+    if not np.isfinite(error).all():
+        return f"{measure.name} is not a number with half of the spacing"
+    return error
+
+
+def _by_steps(measure: Measure, value, paths: _Paths) -> np.ndarray | str:
+    """Compute m_N - m from a path in n of N load steps, or the reason why it is not known."""
+    if paths.coarse is None:
+        return paths.failure
+    if paths.coarse.seal.n_steps == paths.result.seal.n_steps:
+        return "there are too few load steps to compare with fewer"
+    # m_N - m = (m_n - m_N) / (N/n - 1)
+    ratio = paths.result.seal.n_steps / paths.coarse.seal.n_steps
+    return (paths.coarse.value(measure) - value) / (ratio - 1.0)
+
+
+def _by_penalties(measure: Measure, value, result: SealResult) -> np.ndarray | str:
+    """Look up the error by the penalties, zero without contact, or the reason why it is not known."""
+    errors = result.penalty_error
+    if not errors:
+        return np.zeros_like(value)
+    found = errors[measure.name]
+    return found.error if found.estimable else "contact is about to part"

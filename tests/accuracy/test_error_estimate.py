@@ -1,0 +1,173 @@
+"""Estimated errors of measures by particles, load steps and penalties, against errors that are known."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cord_files import cord
+from seal_file.block_files import BLOCK, FIXED, MOVED
+
+import seal_mdao as sm
+from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors, some_ends
+from seal_mdao.accuracy.refined_file import refined_file
+from seal_mdao.analysis.increment import Solution
+from seal_mdao.analysis.path_result import Status
+from seal_mdao.cli.subcommands import main
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.plotting import error_parts
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.result import analyze
+
+MEASURED = '[[measure]]\ntype = "reaction"\nname = "force"\nprofile = "top"\n'
+
+
+def analyzed(path):
+    file = sm.read_seal_file(path)
+    return file, analyze(sm.build_seal(file))
+
+
+def force(result) -> float:
+    return float(result.value("reaction")[0])
+
+
+@pytest.fixture(scope="module")
+def estimated(tmp_path_factory):
+    file, result = analyzed(cord(tmp_path_factory.mktemp("cord")))
+    return result, estimate_errors(file, result)
+
+
+def test_formulas(tmp_path):
+    """Both differences, of ordinary paths: 4/3 between the clouds, 1/3 of what 8 for 32 steps change."""
+    file, result = analyzed(cord(tmp_path, steps=32))
+    seal = result.seal
+    fine = unchosen_seal(refined_file(file, seal).file)
+    ends = some_ends(seal, 8)
+    few, on_fine = force(analyze(seal.with_ends(ends))), force(analyze(fine.with_ends(ends)))
+    found = estimate_errors(file, result)["reaction"]
+    # iterations end at a residual of 1e-5 of the forces
+    assert found.particles[0] == pytest.approx(4 / 3 * (few - on_fine), abs=4e-5 * few)
+    assert found.load_steps[0] == pytest.approx((few - force(result)) / 3, abs=1e-5 * few)
+
+
+def test_particles(estimated, tmp_path):
+    """A cloud of half the spacing, filled anew, has a quarter of the error."""
+    result, estimates = estimated
+    actual = force(result) - force(analyzed(cord(tmp_path, spacing=0.2))[1])
+    ratio = estimates["reaction"].particles[0] / actual
+    assert 0.5 < ratio < 2.0, ratio
+
+
+def test_particles_of_a_block(tmp_path):
+    """A square grid under a bonded plate, with a singular corner, against an eighth of the spacing."""
+    path = tmp_path / "block.toml"
+    path.write_text(BLOCK.format(bulk=1e3, spacing=1.0) + FIXED + MOVED + MEASURED)
+    file, result = analyzed(path)
+    path.write_text(BLOCK.format(bulk=1e3, spacing=0.25) + FIXED + MOVED + MEASURED)
+    actual = result.value("force") - analyzed(path)[1].value("force")
+    ratio = estimate_errors(file, result)["force"].particles / actual
+    assert ((ratio > 0.5) & (ratio < 2.0)).all(), ratio
+
+
+def test_load_steps(estimated, tmp_path):
+    """Eight times as many load steps have an eighth of the error; of the force by friction."""
+    file, result = analyzed(cord(tmp_path, steps=32))
+    across = Reaction("lid", name="force_on_lid")
+    many = analyzed(cord(tmp_path, steps=256))[1]
+    actual = result.value(across)[0] - many.value(across)[0]
+    ratio = estimate_errors(file, result)["force_on_lid"].load_steps[0] / actual
+    assert 0.5 < ratio < 2.0, ratio
+
+
+def test_penalties(tmp_path):
+    """A thousand times the penalties have a thousandth of the error."""
+    file, soft = analyzed(cord(tmp_path, penalty=1e5))
+    stiff = analyzed(cord(tmp_path, penalty=1e8))[1]
+    ratio = estimate_errors(file, soft)["reaction"].penalties[0] / (force(soft) - force(stiff))
+    assert 0.8 < ratio < 1.25, ratio
+
+
+def test_same_points(estimated):
+    """A norm over all particles is compared over the same places; a sum over particles is not."""
+    _, estimates = estimated
+    norm, total = estimates["stress_norm"], estimates["gap_square_sum"]
+    # four times as many places alone would make the norm larger by 4^(1/p)
+    assert abs(norm.particles[0]) < 0.05 * norm.value[0]
+    assert total.particles is None
+    assert total.bar is None
+    assert "number of particles" in total.unknown
+    assert total.load_steps is not None
+
+
+def test_bar_and_error():
+    found = ErrorEstimate(np.array([2.0]), np.array([0.3]), np.array([-0.1]), np.array([0.05]), 2.0)
+    assert found.error == pytest.approx(0.25)
+    assert found.bar == pytest.approx(0.45)
+    assert replace(found, penalties=None).error is None
+
+
+def test_few_ends(tmp_path):
+    """Of 16 load steps every second one, the last one always."""
+    seal = sm.build_seal(cord(tmp_path))
+    assert some_ends(seal, 8).tolist() == list(np.arange(2.0, 17.0, 2.0))
+    assert some_ends(seal, 5).tolist() == [4.0, 8.0, 12.0, 16.0]
+
+
+def test_paths_that_fail_are_said(tmp_path, monkeypatch):
+    """The finer cloud does not come to an end: what else is known stays, with the reason."""
+    file, result = analyzed(cord(tmp_path))
+    monkeypatch.setattr("seal_mdao.analysis.load_path.iterate", _never)
+    monkeypatch.setattr("seal_mdao.analysis.load_path.newton", _never_newton)
+    monkeypatch.setattr("seal_mdao.analysis.load_path.mixed_newton", _never_newton)
+    found = estimate_errors(file, result)["reaction"]
+    assert found.particles is None
+    assert "could not be completed" in found.unknown
+    assert found.penalties is not None
+
+
+def _never(increment, d, *others, **options):
+    return Solution(Status.NOT_CONVERGED, d, (1.0,), increment.evaluate(d))
+
+
+def _never_newton(increment, guess):
+    return _never(increment, guess)
+
+
+def test_design_is_refused(tmp_path):
+    path = cord(tmp_path)
+    path.write_text(
+        path.read_text() + '[[design]]\nedges = ["side"]\nparameters = 4\nbound = 0.2\n'
+    )
+    file = sm.read_seal_file(path)
+    result = analyze(sm.build_seal(file), np.array([0.0, 0.1, 0.0, 0.0]))
+    with pytest.raises(ValueError, match="not of a design"):
+        estimate_errors(file, result)
+
+
+def test_command(tmp_path, capsys):
+    """The table, the summary and the figure have the same numbers."""
+    out = tmp_path / "out"
+    assert main(["analyze", str(cord(tmp_path)), "--errors", "--no-vtu", "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    summary = json.loads((out / "summary.json").read_text())["errors"]
+    force = summary["reaction"]
+    parts = [force[part] for part in ("particles", "load_steps", "penalties")]
+    assert force["bar"] == pytest.approx(sum(map(abs, parts)))
+    row = next(line.split() for line in text.splitlines() if line.startswith("reaction  "))
+    assert float(row[2]) == pytest.approx(force["bar"], rel=0.05)
+    assert [float(part) for part in row[-3:]] == pytest.approx(parts, rel=0.05)
+    assert summary["gap_square_sum"]["bar"] is None
+    assert "error of gap_square_sum not estimated" in text
+    assert (out / "errors.png").stat().st_size > 0
+
+
+def test_figure(estimated):
+    """A group of three bars for every measure with a known part."""
+    _, estimates = estimated
+    axes = error_parts(estimates).axes[0]
+    labels = [text.get_text() for text in axes.get_yticklabels()]
+    assert "reaction" in labels
+    assert len(axes.patches) == 3 * len(labels)
+    at = labels.index("reaction")
+    own = estimates["reaction"]
+    assert axes.patches[at].get_width() == pytest.approx(100 * own.particles[0] / own.scale)

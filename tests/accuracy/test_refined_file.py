@@ -1,0 +1,89 @@
+"""Clouds with all cells divided into four, and iterations on them that begin at a coarse solution."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cord_files import cord
+
+import seal_mdao as sm
+from seal_mdao.accuracy.error_estimate import some_ends
+from seal_mdao.accuracy.prolongation import Prolongation
+from seal_mdao.accuracy.refined_file import refined_file
+from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.result import analyze, analyze_particles
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def both(path):
+    """The seal of a file, that on smaller cells, and their connection."""
+    file = sm.read_seal_file(path)
+    seal = sm.build_seal(file)
+    finer = refined_file(file, seal)
+    return seal, unchosen_seal(finer.file), finer
+
+
+def check(seal, fine, finer):
+    # old particles are among the new ones, in the same places
+    np.testing.assert_array_equal(fine.nominal_particles[finer.particles], seal.nominal_particles)
+    assert len(fine.body.cells) == len(finer.parents)
+    # the centre of a new cell lies in its parent
+    old, new = seal.nominal_particles[seal.body.cells], fine.nominal_particles[fine.body.cells]
+    centre = new.mean(axis=1)[:, None]
+    corners = old[finer.parents]
+    side = np.roll(corners, -1, axis=1) - corners
+    to = centre - corners
+    assert (side[..., 0] * to[..., 1] - side[..., 1] * to[..., 0] >= -1e-12).all()
+    # the same edges, with twice as many sides, and the same components are fixed
+    for name, edge in seal.body.edges.items():
+        assert len(fine.body.edge(name).sides) == 2 * len(edge.sides)
+    np.testing.assert_array_equal(fine.body.fixed[finer.particles], seal.body.fixed)
+
+
+def test_round_section(tmp_path):
+    seal, fine, finer = both(cord(tmp_path))
+    check(seal, fine, finer)
+    # new particles of the arc lie on it, not on its chords
+    side = fine.nominal_particles[fine.body.edge("side").particles]
+    np.testing.assert_allclose(np.hypot(side[:, 0], side[:, 1] - 3.0), 3.0, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["paper_seal", "weatherstrip", "two_seals"])
+def test_examples(name):
+    """Rays through a wall, a drawing of two materials, two bodies with self-contact."""
+    file = sm.read_seal_file(EXAMPLES / f"{name}.toml")
+    seal = unchosen_seal(file)
+    finer = refined_file(file, seal)
+    fine = unchosen_seal(finer.file)
+    check(seal, fine, finer)
+    np.testing.assert_array_equal(fine.parts, seal.parts[finer.parents])
+
+
+def test_iterations_begin_at_the_coarse_solution(tmp_path):
+    """They lead to the solution of the ordinary path, in fewer iterations."""
+    seal, fine, finer = both(cord(tmp_path))
+    ends = some_ends(seal, 4)
+    few = fine.with_ends(ends)
+    ordinary = analyze(few)
+    coarse = analyze(seal.with_ends(ends))
+    body = discretize(few.body, few.nominal_particles, few.terms())
+    steps = dict(enumerate(coarse.path.nominal_steps, 1))
+    near = Prolongation(coarse.path, steps, body, finer.parents)
+    found = analyze_particles(few, few.nominal_particles, discretization=body, near=near)
+    np.testing.assert_allclose(found.displacement(), ordinary.displacement(), rtol=0, atol=1e-8)
+    assert (found.newton_iterations <= 8).all()
+    assert found.newton_iterations.sum() < 0.8 * ordinary.newton_iterations.sum()
+
+
+def test_prolongation_has_the_coarse_displacements(tmp_path):
+    seal, fine, finer = both(cord(tmp_path))
+    coarse = analyze(seal)
+    body = discretize(fine.body, fine.nominal_particles, fine.terms())
+    step = coarse.path.nominal_steps[-1]
+    near = Prolongation(coarse.path, {1: step}, body, finer.parents)
+    d = near._prolongated(step)
+    table = body.everywhere.table
+    sums = np.add.reduceat(table.phi[:, None] * d[table.neighbours], table.start[:-1])
+    np.testing.assert_allclose(sums[finer.particles], coarse.displacement(), rtol=0, atol=1e-12)
