@@ -47,7 +47,8 @@ class Prolongation:
         """Return displacements (n, 2) near those at the end of an increment, and the state of mixed
         iterations there; None where the path has no such step."""
         step = self.steps.get(float(increment.target))
-        if step is None:
+        # self-contact begins from a converged step only (``ContactTerm.begin_mixed``)
+        if step is None or increment.problem.touches_itself:
             return None
         # P d, and what was corrected in the step before: d_f - P d
         d = self._prolongated(step)

@@ -129,6 +129,10 @@ class ContactPressure(Measure):
         found = contact_patches(nominal.response(self.profile).state)
         return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
 
+    def on_refined(self, fine, particles):
+        # contact points there have other indices
+        return replace(self, patches=None).frozen(fine)
+
     def size(self, seal):
         return len(self.patches)
 

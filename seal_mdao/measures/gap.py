@@ -105,6 +105,10 @@ class BetweenContacts(Measure):
         points = contact_range(nominal.response(self.profile).state != OPEN, closed)
         return replace(self, nominal=tuple(points.tolist()))
 
+    def on_refined(self, fine, particles):
+        # contact points there have other indices
+        return replace(self, nominal=None).frozen(fine)
+
     def stretch(self, result) -> np.ndarray:
         """List the contact points from the first to the last contact of either seal, in order."""
         # in contact now or in the nominal seal

@@ -1,6 +1,6 @@
 """Measures of what a seal keeps while it relaxes: part of the force, how long, and set after release."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -161,6 +161,9 @@ class CompressionSet(Measure):
 
     def least_scale(self, result):
         return SMALL
+
+    def on_refined(self, fine, particles):
+        return replace(self, point=int(particles[self.point]))
 
     def evaluate(self, result, partials):
         number = end_of_stage(result, self.stage) - 1

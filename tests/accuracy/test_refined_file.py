@@ -1,5 +1,6 @@
 """Clouds with all cells divided into four, and iterations on them that begin at a coarse solution."""
 
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,12 @@ from seal_mdao.accuracy.error_estimate import some_ends
 from seal_mdao.accuracy.prolongation import Prolongation
 from seal_mdao.accuracy.refined_file import refined_file
 from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.measures.contact_pressure import ContactPressure
+from seal_mdao.measures.gap import GapSquareIntegral
+from seal_mdao.measures.measure import Derived, Measure
+from seal_mdao.measures.retention import CompressionSet
+from seal_mdao.measures.section_shape import Displacement
+from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.result import analyze, analyze_particles
 
@@ -87,3 +94,41 @@ def test_prolongation_has_the_coarse_displacements(tmp_path):
     table = body.everywhere.table
     sums = np.add.reduceat(table.phi[:, None] * d[table.neighbours], table.start[:-1])
     np.testing.assert_allclose(sums[finer.particles], coarse.displacement(), rtol=0, atol=1e-12)
+
+
+INDICES = {"point", "points", "patches", "nominal"}
+"""Fields of measures that are indices of particles or contact points; ``nominal`` may also be a flag."""
+
+
+def every_measure(base=Measure):
+    for own in base.__subclasses__():
+        yield own
+        yield from every_measure(own)
+
+
+def test_measures_with_indices_say_what_they_are_on_smaller_cells():
+    """Indices of a coarse cloud are those of other particles on a finer one."""
+    wrong = [
+        own.__name__
+        for own in every_measure()
+        if is_dataclass(own)
+        and INDICES & {field.name for field in fields(own)}
+        and own.on_refined in (Measure.on_refined, Derived.on_refined)
+        and getattr(own, "nominal", None) is not False
+    ]
+    assert not wrong
+
+
+def test_measures_at_the_same_places(tmp_path):
+    """Values on smaller cells are those at the same particles and on the same part of the contact."""
+    seal, fine, finer = both(cord(tmp_path))
+    results = [analyze(own.with_ends(some_ends(seal, 8))) for own in (seal, fine)]
+    top = int(seal.body.edge("side").particles[len(seal.body.edge("side").particles) // 2])
+    for measure in (
+        Displacement(top), CompressionSet(top, component=0), VonMises(count=2),
+        ContactPressure("lid"), GapSquareIntegral("lid"),
+    ):  # fmt: skip
+        own = measure.frozen(results[0])
+        other = own.on_refined(results[1], finer.particles)
+        values = results[0].value(own), results[1].value(other)
+        np.testing.assert_allclose(values[1], values[0], rtol=0.1, atol=1e-3)
