@@ -1,7 +1,7 @@
 """Write a seal file to start from: a commented bulb, or the section of a drawing under a plate."""
 
 from seal_mdao.cli.arguments import WrongArgumentError, checked_arguments, existing_file, parser
-from seal_mdao.cli.new_from_drawing import from_drawing
+from seal_mdao.seals.file.from_drawing import from_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 
 RUBBER = """\

@@ -1,8 +1,10 @@
 """Jobs of the worker process, by name."""
 
 import traceback
+from pathlib import Path
 
 from seal_mdao.studio.improvement import improve
+from seal_mdao.studio.problem import offered, write_problem
 from seal_mdao.studio.saved import save_design
 from seal_mdao.studio.workbench import StoppedError, Workbench
 
@@ -57,24 +59,31 @@ class Jobs:
             self._send("progress", text)
 
         self._bench = Workbench(path, report, self._watch, chosen)
-        opened = {"scene": self._bench.scene(), "chosen": self._bench.chosen}
+        scene = self._bench.scene() | {"offered": offered(self._bench)}
+        opened = {"scene": scene, "chosen": self._bench.chosen}
         self._send("opened", opened | {"start": self._bench.start()})
 
     def _analyze(self, design: list, step: int | None) -> None:
         self._send("exact", self._bench.analyze(design, step))
+        self._send_rates(step)
+
+    def _send_rates(self, step: int | None) -> None:
         found = self._bench.first_order(step)
         if found is not None:
             self._send("rates", found)
 
     def _view(self, step: int) -> None:
         self._send("view", self._bench.view(step))
-        found = self._bench.first_order(step)
-        if found is not None:
-            self._send("rates", found)
+        self._send_rates(step)
 
     def _improve(self, design: list) -> None:
         improve(self._bench, design, lambda state: self._send("iteration", state))
+        self._send_rates(None)
 
     def _save(self, design: list, folder: str, name: str) -> None:
         paths = save_design(self._bench, design, folder, name)
         self._send("saved", [path.name for path in paths])
+
+    def _problem(self, design: list, problem: dict, path: str) -> None:
+        write_problem(self._bench, design, problem, Path(path))
+        self._send("made", Path(path).name)

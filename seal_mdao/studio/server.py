@@ -8,7 +8,6 @@ import asyncio
 import hmac
 import json
 import secrets
-from importlib.resources import files
 
 from tornado.httpserver import HTTPServer
 from tornado.iostream import StreamClosedError
@@ -16,6 +15,8 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
+from seal_mdao.studio.assets_of import ASSETS, asset
+from seal_mdao.studio.problem import write_drawing
 from seal_mdao.studio.project import Project, ProjectError
 from seal_mdao.studio.session import RequestError, Session
 
@@ -28,26 +29,12 @@ MESSAGE_SIZE = 64 * 1024
 """Largest message, bytes."""
 DRAWING_SIZE = 4 * 2**20
 """Largest drawing, bytes."""
-ASSETS = {
-    "studio.js": ("seal_mdao.studio", "text/javascript"),
-    "studio.css": ("seal_mdao.studio", "text/css"),
-    "chart.js": ("seal_mdao.report", "text/javascript"),
-    "shape.js": ("seal_mdao.report", "text/javascript"),
-    "page.css": ("seal_mdao.report", "text/css"),
-}
-"""Parts of the page, with the packages in whose folder ``assets`` they are."""
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
     "blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'self' "
     "http://127.0.0.1:* http://localhost:*"
 )
 """Nothing is loaded from elsewhere; notebooks of this machine may show the page in a frame."""
-
-
-def asset(name: str) -> str:
-    """Return the text of a part of the page."""
-    package = ASSETS[name][0] if name in ASSETS else "seal_mdao.studio"
-    return (files(package) / "assets" / name).read_text(encoding="utf-8")
 
 
 class Studio:
@@ -119,6 +106,8 @@ class Guarded(RequestHandler):
         self.clear_header("Server")
 
     def prepare(self) -> None:
+        if self.request.method == "POST" and self.request.headers.get("Origin") is None:
+            raise HTTPError(403)
         request, hosts = self.request, self.studio.hosts
         # a name that leads to this machine could be of another site (DNS rebinding)
         if request.headers.get("Host") not in hosts:
@@ -172,7 +161,17 @@ class Drawings(Guarded):
     """Drawings that are dropped on the page."""
 
     async def post(self, token: str) -> None:
-        raise HTTPError(404)
+        name, content = self.get_query_argument("name", ""), self.request.body
+        project = self.studio.project
+        try:
+            # read beside the event loop: a drawing may be large
+            made, remark = await asyncio.to_thread(write_drawing, project, name, content)
+        except (ValueError, ImportError) as error:
+            self.set_status(400)
+            self.finish(" ".join(str(error).split()).replace(f"{project.folder}/", ""))
+            return
+        self.studio.session.open(made)
+        self.finish(remark or f"{made} was written")
 
 
 class Live(Guarded, WebSocketHandler):

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 
 from seal_mdao.studio.project import Project
+from seal_mdao.studio.shared_page import shared_page
 from seal_mdao.studio.worker import Worker
 
 MOST_HISTORY = 200
@@ -16,8 +17,19 @@ RESTARTS = 3
 """Times in a row that a worker is replaced without a result between."""
 
 
+MOST_PARAMETERS = 40
+"""Parameters of an edge that the form of the page takes."""
+MOST_LIMITS = 12
+"""Limits that it takes."""
+
+
 class RequestError(ValueError):
     """Raised for a message of a page that cannot be followed; its text is shown there."""
+
+
+def _is_number(given) -> bool:
+    """Whether a value of a message is a finite number."""
+    return isinstance(given, int | float) and not isinstance(given, bool) and math.isfinite(given)
 
 
 class Session:
@@ -88,6 +100,7 @@ class Session:
             "drag": self._drag, "commit": self._commit, "undo": self._undo, "redo": self._redo,
             "view": self._view, "improve": self._improve, "stop": self._stop, "keep": self._keep,
             "drop": self._drop, "take": self._take, "save": self._save, "open": self._open,
+            "problem": self._problem, "share": self._share,
         }  # fmt: skip
         if not isinstance(does, str) or does not in known:
             raise RequestError(f"there is no message {str(does)[:40]!r}")
@@ -100,11 +113,7 @@ class Session:
         given, numbers = message.get("design"), self.scene["numbers"]
         if not isinstance(given, list) or len(given) != len(numbers):
             raise RequestError(f"a design has {len(numbers)} numbers")
-        plain = all(
-            isinstance(own, int | float) and not isinstance(own, bool) and math.isfinite(own)
-            for own in given
-        )
-        if not plain:
+        if not all(map(_is_number, given)):
             raise RequestError("the numbers of a design are finite")
         return [
             min(max(float(value), own["low"]), own["high"])
@@ -202,6 +211,54 @@ class Session:
         name = self.project.new(stem, kinds)
         self._remember()
         self._wait("save", design=self.design, folder=str(self.project.folder), name=name)
+
+    def _share(self, message, page) -> None:
+        exact = self.last.get("exact")
+        if exact is None or exact["design"] != self.design:
+            raise RequestError("wait for the exact analysis of this design, then share it")
+        name = f"{self.project.new(self.file.removesuffix('.toml') + '_shared', ('.html',))}.html"
+        text = shared_page(self.file, self.scene, exact, self.kept)
+        self.project.path(name).write_text(text, encoding="utf-8")
+        self._broadcast("saved", [name])
+
+    def _problem(self, message, page) -> None:
+        known = set(self.scene["offered"]["edges"])
+        found = {key: message.get(key) for key in ("fixed", "pressed", "moving")}
+        for key, names in found.items():
+            if not isinstance(names, list) or not all(
+                isinstance(name, str) and name in known for name in names
+            ):
+                raise RequestError(f"{key} is a list of edges")
+        parameters, bound = message.get("parameters"), message.get("bound")
+        if not isinstance(parameters, int) or not 1 <= parameters <= MOST_PARAMETERS:
+            raise RequestError(f"parameters of an edge are 1 to {MOST_PARAMETERS}")
+        if not _is_number(bound) or bound <= 0.0:
+            raise RequestError("the largest offset is a positive number")
+        aim, limits = message.get("minimize") or None, message.get("limits")
+        offered = self.scene["offered"]["measures"]
+        if aim is not None and aim not in offered:
+            raise RequestError("what is minimised is a measure of the list")
+        if not isinstance(limits, list) or len(limits) > MOST_LIMITS:
+            raise RequestError(f"limits are a list of at most {MOST_LIMITS}")
+        for own in limits:
+            if not isinstance(own, dict) or own.get("measure") not in offered:
+                raise RequestError("a limit is of a measure of the list")
+            sides = [own.get("lower"), own.get("upper")]
+            if not all(side is None or _is_number(side) for side in sides) or not any(
+                side is not None for side in sides
+            ):
+                raise RequestError("a limit has a lower bound, an upper bound or both, as numbers")
+        limits = [{key: own.get(key) for key in ("measure", "lower", "upper")} for own in limits]
+        stem = self.file.removesuffix(".toml").partition("_problem")[0]
+        path = self.project.path(f"{self.project.new(f'{stem}_problem')}.toml")
+        problem = found | {
+            "parameters": parameters, "bound": float(bound), "minimize": aim, "limits": limits,
+        }  # fmt: skip
+        self._wait("problem", design=self.design, problem=problem, path=str(path))
+
+    def _on_made(self, name: str) -> None:
+        self.job = None
+        self.open(name)
 
     def _open(self, message, page) -> None:
         self.open(str(message.get("file")))

@@ -271,7 +271,7 @@ function showState(exactly) {
   if (exactly && exact && !exact.converged) [kind, text] = ["failed", "path not completed"];
   if (status && status.job === "improve") text = `improving, analysis ${exact && exact.number ? exact.number : 0}`;
   if (!exactly && status && status.failure) [kind, text] = ["failed", "not analysed"];
-  if (state.shared) [kind, text] = exactly ? ["exact", "exact analysis, shared page"] : ["preview", "first-order preview, shared page"];
+  if (state.shared) [kind, text] = ["exact", "exact analysis"];
   if (state.closed) [kind, text] = ["failed", "the server is closed"];
   row.className = `state ${kind}`;
   place("state-text").textContent = text;
@@ -302,6 +302,7 @@ function handlesOf(now) {
 const handleNodes = new Map();
 
 function drawHandles(now) {
+  if (state.shared) return;
   const seen = new Set();
   for (const handle of handlesOf(now)) {
     seen.add(handle.key);
@@ -356,7 +357,7 @@ function clipped(p, value) {
 
 function grab(event, key) {
   const own = handleNodes.get(key);
-  if (state.shared === "fixed" || event.button > 0) return;
+  if (event.button > 0) return;
   event.preventDefault();
   own.mark.focus();
   const view = views[own.handle.view], from = state.design, begin = [event.clientX, event.clientY], { handle } = own;
@@ -456,9 +457,9 @@ let queued = null;
 
 // Show a design at once, and tell the server: of a drag the latest with every frame of the screen.
 function change(design, kind, since = null) {
+  if (!state.scene) return;
   state.design = design;
   schedule(since);
-  if (state.shared) return;
   if (kind === "commit") { queued = null; send({ do: "commit", design }); return; }
   if (queued === null) requestAnimationFrame(() => { if (queued) send({ do: "drag", design: queued }); queued = null; });
   queued = design;
@@ -467,6 +468,8 @@ function change(design, kind, since = null) {
 const receive = {
   status(status) {
     state.status = status;
+    // another file is being opened: nothing of the last one is valid
+    if (!status.ready) Object.assign(state, { scene: null, exact: null, rates: null, design: null });
     place("undo").disabled = !status.undo;
     place("redo").disabled = !status.redo;
     place("stop").hidden = status.job !== "improve";
@@ -479,7 +482,7 @@ const receive = {
     place("work").hidden = !status.ready;
     if (status.failure) show(status.failure);
     if (!status.ready && status.file) { place("state").className = "state"; place("state-text").textContent = status.failure ? "not opened" : status.progress || "opening"; }
-    if (state.exact) showState(isExact());
+    if (state.exact && state.design) showState(isExact());
   },
   progress({ text }) { if (!state.scene) place("state-text").textContent = text; },
   scene(scene) {
@@ -497,16 +500,20 @@ const receive = {
       views[name].last = null;
       views[name].subdivide = name === "pressed" ? 2 : 1;
     }
+    place("problem-panel").hidden = true;
+    place("message").dataset.kind = "";
+    place("message").hidden = true;
     place("step").max = scene.steps - 1;
     place("step").value = scene.steps - 1;
     makeSliders();
   },
   design({ design }) {
-    if (state.dragging) return;
+    if (state.dragging || !state.scene) return;
     state.design = design;
     schedule();
   },
   exact(exact) {
+    if (!state.scene) return;
     state.counts.exact = (state.counts.exact || 0) + 1;
     Object.assign(state, { exact, rates: null });
     unpackFrame(exact.frame);
@@ -577,7 +584,7 @@ function showWarnings(texts) {
 function showKept() {
   const { kept, scene } = state, box = place("compared");
   box.hidden = !kept.length;
-  if (!kept.length) return;
+  if (!kept.length || !scene) return;
   const names = Object.keys(kept[0].measures), head = kept.map(({ name }, i) => `<th scope="col"><i style="background:${color(i + 2)}"></i> ${escaped(name)}</th>`).join("");
   const cells = (of) => kept.map((own) => `<td>${escaped(of(own))}</td>`).join("");
   const lines = names.map((name) => `<tr><th scope="row">${escaped(spoken(name))} ${escaped(unitOf(name))}</th>${cells((own) => own.measures[name].map((v) => readable(v, 4)).join(", "))}</tr>`);
@@ -588,6 +595,50 @@ function showKept() {
   box.querySelectorAll("[data-take]").forEach((button) => button.addEventListener("click", () => send({ do: "take", name: button.dataset.take })));
   box.querySelectorAll("[data-drop]").forEach((button) => button.addEventListener("click", () => send({ do: "drop", name: button.dataset.drop })));
 }
+
+// ---- the problem ----
+
+function showProblem() {
+  const { scene } = state, { offered } = scene, box = place("problem-panel"), names = Object.keys(offered.edges);
+  const [low, high] = [scene.low, scene.high], flip = (y) => low[1] + high[1] - y;
+  const lines = names.map((name, i) => offered.edges[name].map((line) => `<path style="stroke:${color(i)}" d="M${line.map(([x, y]) => `${x} ${flip(y)}`).join("L")}"><title>${escaped(name)}</title></path>`).join("")).join("");
+  const box_ = (group, name) => `<td><input type="checkbox" data-group="${group}" value="${escaped(name)}" aria-label="${escaped(name)} ${group}" ${offered[group].includes(name) ? "checked" : ""}></td>`;
+  const rows = names.map((name, i) => `<tr><th scope="row"><i class="swatch" style="background:${color(i)}"></i>${escaped(name)}</th>${["fixed", "pressed", "moving"].map((group) => box_(group, name)).join("")}</tr>`).join("");
+  const options = (chosen, none) => `${none ? `<option value="">${none}</option>` : ""}${offered.measures.map((name) => `<option value="${escaped(name)}" ${name === chosen ? "selected" : ""}>${escaped(spoken(name))}</option>`).join("")}`;
+  const limit = ({ measure, lower, upper }) => `<div class="row limit"><select aria-label="measure">${options(measure)}</select> at least <input type="number" step="any" class="lower" aria-label="at least" value="${lower ?? ""}"> at most <input type="number" step="any" class="upper" aria-label="at most" value="${upper ?? ""}"> <button type="button" class="remove">Remove</button></div>`;
+  box.innerHTML = `<h2>Problem</h2><div class="parts"><svg class="edges" viewBox="${low[0]} ${low[1]} ${high[0] - low[0]} ${high[1] - low[1]}" role="img" aria-label="Edges of the section">${lines}</svg>
+    <form><table><thead><tr><th scope="col">edge</th><th scope="col">fixed</th><th scope="col">pressed</th><th scope="col">may move</th></tr></thead><tbody>${rows}</tbody></table>
+    <div class="row">Edges that move have <input type="number" id="parameters" min="1" max="40" value="${offered.parameters}" aria-label="parameters of an edge"> parameters each, by at most <input type="number" id="bound" step="any" min="0" value="${offered.bound}" aria-label="largest offset, mm"> mm.</div>
+    <div class="row">Minimise <select id="aim" aria-label="minimise">${options(offered.minimize, "nothing")}</select></div>
+    <div id="limits">${offered.limits.map(limit).join("")}</div>
+    <div class="row"><button type="button" id="add-limit">Add a limit</button> <button type="submit">Write the seal file and open it</button></div></form></div>`;
+  box.querySelector("#limits").addEventListener("click", (event) => { if (event.target.className === "remove") event.target.parentElement.remove(); });
+  box.querySelector("#add-limit").addEventListener("click", () => box.querySelector("#limits").insertAdjacentHTML("beforeend", limit({ measure: "reaction" })));
+  box.querySelector("form").addEventListener("submit", (event) => {
+    event.preventDefault();
+    const chosen = (group) => [...box.querySelectorAll(`[data-group="${group}"]:checked`)].map((input) => input.value);
+    const number = (input) => (input.value === "" ? null : Number(input.value));
+    const limits = [...box.querySelectorAll(".limit")].map((row) => ({ measure: row.querySelector("select").value, lower: number(row.querySelector(".lower")), upper: number(row.querySelector(".upper")) }));
+    show("Writing the seal file …", "wait");
+    send({ do: "problem", fixed: chosen("fixed"), pressed: chosen("pressed"), moving: chosen("moving"), parameters: number(box.querySelector("#parameters")), bound: number(box.querySelector("#bound")), minimize: box.querySelector("#aim").value, limits });
+  });
+}
+
+// ---- drawings ----
+
+async function drop(file) {
+  show(`Reading ${file.name} …`, "wait");
+  const answer = await fetch(`drawing?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+  show(await answer.text(), answer.ok ? "wait" : "");
+}
+
+for (const kind of ["dragenter", "dragover"]) document.addEventListener(kind, (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
+document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) document.body.classList.remove("dropping"); });
+document.addEventListener("drop", (event) => {
+  event.preventDefault();
+  document.body.classList.remove("dropping");
+  if (!state.shared && event.dataTransfer.files.length) drop(event.dataTransfer.files[0]);
+});
 
 function connect() {
   const socket = new WebSocket(new URL("live", location.href.replace(/^http/, "ws")));
@@ -605,7 +656,15 @@ function connect() {
   });
 }
 
-for (const name of ["undo", "redo", "improve", "stop", "keep", "save"]) place(name).addEventListener("click", () => send({ do: name }));
+place("problem").addEventListener("click", () => {
+  const box = place("problem-panel");
+  if (!state.scene) return;
+  box.hidden = !box.hidden;
+  place("problem").setAttribute("aria-expanded", String(!box.hidden));
+  if (!box.hidden) { showProblem(); box.scrollIntoView({ block: "nearest" }); }
+});
+place("drawing").addEventListener("change", (event) => { if (event.target.files.length) drop(event.target.files[0]); });
+for (const name of ["undo", "redo", "improve", "stop", "keep", "save", "share"]) place(name).addEventListener("click", () => send({ do: name }));
 place("files").addEventListener("change", (event) => { if (event.target.value) send({ do: "open", file: event.target.value }); });
 place("step").addEventListener("input", (event) => send({ do: "view", step: Number(event.target.value) }));
 document.addEventListener("keydown", (event) => {
@@ -618,4 +677,17 @@ document.addEventListener("keydown", (event) => {
 });
 new ResizeObserver(() => schedule()).observe(place("work"));
 window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => schedule());
-connect();
+
+if (place("shared")) {
+  // a page to give away: one state, which nothing changes
+  const shared = JSON.parse(place("shared").textContent);
+  state.shared = true;
+  document.querySelectorAll("[data-live]").forEach((part) => { part.hidden = true; });
+  place("title").textContent = shared.file;
+  place("made-text").textContent = "";
+  receive.scene(shared.scene);
+  receive.kept(shared.kept);
+  receive.exact(shared.exact);
+  showKept();
+  document.querySelectorAll("[data-live]").forEach((part) => { part.hidden = true; });
+} else connect();

@@ -3,13 +3,13 @@
 import json
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import shapely
 
-from seal_mdao.cli.arguments import WrongArgumentError
-from seal_mdao.errors import GeometryError
+from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.outline.dxf import (
     Drawing,
     boundary_layers,
@@ -88,7 +88,9 @@ type = "von_mises"
 """
 
 
-def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) -> str:
+def from_drawing(
+    name: str, path: Path, folder: Path, units=None, parting=(), ignore=(), report: Callable = print
+) -> str:
     """Write the seal file of a drawing: lowest edge fixed, the others pressed by a plate from above.
 
     Parameters
@@ -102,16 +104,18 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     units, parting, ignore
         As of ``read_drawing``; without ``parting`` a layer of lines between rubbers is looked for.
         Layers that are annotation by their names are left out where the others are a section then.
+    report : callable
+        Called with one line where the drawing is written again, with a layer for every edge.
 
     Raises
     ------
     ImportError, GeometryError
         As ``read_drawing``.
-    WrongArgumentError
+    SealFileError
         For a drawing with one edge only.
     """
     path, drawing, parting, ignore = _read(
-        path, units, parting, ignore, folder / f"{name}{LAYERED}"
+        path, units, list(parting), list(ignore), folder / f"{name}{LAYERED}", report
     )
     if path.name.endswith(LAYERED):  # written with units of its own
         units = None
@@ -120,8 +124,8 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     width, height = high - low
     lowest, touched = _fixed_and_touched(drawing, low[1] + 0.5 * height)
     if not touched:
-        raise WrongArgumentError(
-            f"--from: {path} has one edge only, {lowest!r}; draw what is fixed and what is pressed on "
+        raise SealFileError(
+            f"{path} has one edge only, {lowest!r}; draw what is fixed and what is pressed on "
             "layers of their own"
         )
     rest, *others = _parts(drawing)
@@ -141,7 +145,7 @@ def from_drawing(name: str, path: Path, folder: Path, units, parting, ignore) ->
     )  # fmt: skip
 
 
-def _read(path, units, parting, ignore, layered: Path) -> tuple[Path, Drawing, list, list]:
+def _read(path, units, parting, ignore, layered: Path, report) -> tuple[Path, Drawing, list, list]:
     """Read a drawing with its parting layers and the layers that are left out, given or found.
 
     A drawing whose layers are not edges is written again to ``layered``, which is returned as its path.
@@ -152,7 +156,7 @@ def _read(path, units, parting, ignore, layered: Path) -> tuple[Path, Drawing, l
         found = _other_readings(path, units, parting, ignore)
         if not found and not parting:
             # whatever the layers are
-            written = _write_layers(path, units, ignore, layered)
+            written = _write_layers(path, units, ignore, layered, report)
             if written is not None:
                 return layered, written, [], []
         # several layers, or none, with which the others are a section: the first error says more
@@ -161,14 +165,14 @@ def _read(path, units, parting, ignore, layered: Path) -> tuple[Path, Drawing, l
     drawing, parting, ignore = found[0]
     # one layer around all of the outside: no edge of it could be fixed and another pressed
     if len(drawing.outline.outer.edge_names) == 1:
-        written = _write_layers(path, units, [*ignore, *parting], layered, drawing)
+        written = _write_layers(path, units, [*ignore, *parting], layered, report, drawing)
         if written is not None:
             return layered, written, [PARTING] if drawing.parting else [], []
     return path, drawing, parting, ignore
 
 
 def _write_layers(
-    path, units, ignore, layered: Path, drawing: Drawing | None = None
+    path, units, ignore, layered: Path, report, drawing: Drawing | None = None
 ) -> Drawing | None:
     """Write the section of a drawing, whatever its layers are, with a layer for every edge between
     corners, and read it; None where the drawing is no section, or its outside has no corners.
@@ -183,13 +187,13 @@ def _write_layers(
         if len(outline.outer.edge_names) == 1:
             return None
         if layered.exists():
-            raise WrongArgumentError(
+            raise SealFileError(
                 f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
                 "layer of its own; take another name"
             )
         lines = {PARTING: drawing.parting} if drawing is not None and drawing.parting else {}
         write_dxf(outline, layered, lines)
-        print(
+        report(
             f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
             f"a layer of its own, {', '.join(outline.edge_names)}"
         )

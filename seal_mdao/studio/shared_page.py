@@ -1,0 +1,36 @@
+"""A page to give away: one HTML file with a design, its curves and its comparison, which changes
+nothing."""
+
+import json
+
+from seal_mdao.studio.assets_of import asset
+
+SCRIPTS, STYLES = ("chart.js", "shape.js", "studio.js"), ("page.css", "studio.css")
+
+
+def shared_page(file: str, scene: dict, exact: dict, kept: list) -> str:
+    """Format the page; it needs no other file and no server.
+
+    Parameters
+    ----------
+    file : str
+        Name of the seal file.
+    scene, exact, kept
+        As the pages of the server have them.
+    """
+    text = asset("studio.html")
+    for name in STYLES:
+        text = text.replace(
+            f'<link rel="stylesheet" href="{name}">', f"<style>\n{asset(name)}</style>"
+        )
+    for name in SCRIPTS:
+        text = text.replace(f'<script src="{name}" defer></script>\n', "")
+    data = {"file": file, "scene": scene, "exact": exact, "kept": kept}
+    # names in a seal file are data: no tag of them ends the script
+    data = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    scripts = "\n".join(asset(name) for name in SCRIPTS)
+    return text.replace(
+        "</body>",
+        f'<script type="application/json" id="shared">{data}</script>\n<script>\n{scripts}</script>\n'
+        "</body>",
+    )

@@ -1,0 +1,211 @@
+"""The live section in headless Chromium: a drag, the exact analysis, undo, comparison, saving."""
+
+import math
+import os
+import signal
+import time
+
+import numpy as np
+import psutil
+import pytest
+from studio.conftest import Page
+
+import seal_mdao as sm
+
+STATE = "return document.getElementById('state').className"
+FORCE = "return studio.exact.curves[0].force.at(-1)[1]"
+
+
+def handle(page, number):
+    return page.browser.find_elements("css selector", "#made-handles circle.handle")[number]
+
+
+def drag(page, number, pixels, release=True):
+    """Drag a handle towards its line by some pixels, one at a time."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    chain = ActionChains(page.browser, duration=10).click_and_hold(handle(page, number))
+    for _ in range(abs(pixels)):
+        chain.move_by_offset(int(math.copysign(1, pixels)), 0)
+    if release:
+        chain.release()
+    chain.perform()
+
+
+def test_drag_shows_a_preview_and_then_the_exact_analysis(page):
+    assert page.run(STATE) == "state exact"
+    before, force = page.design(), page.run(FORCE)
+    # the worker is stopped, so that the preview stays
+    (worker,) = workers(page)
+    worker.suspend()
+    drag(page, 0, 6, release=False)
+    page.wait("return document.getElementById('state').className === 'state preview'")
+    assert "preview" in page.run("return document.getElementById('state-text').textContent")
+    after = page.design()
+    assert after[0] != before[0]
+    assert after[1:] == before[1:]
+    preview = page.run("return present().curves[0].force.at(-1)")
+    assert preview != pytest.approx(force, rel=1e-4)
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    ActionChains(page.browser).release().perform()
+    worker.resume()
+    page.ready()
+    assert page.run(STATE) == "state exact"
+    assert page.design() == after
+    assert page.run(FORCE) == pytest.approx(preview, rel=0.02)
+
+
+def workers(page):
+    """The worker process of the only server."""
+    server = psutil.Process(int(page.server.process.pid))
+    return [own for own in server.children() if "spawn_main" in " ".join(own.cmdline())]
+
+
+def test_undo_redo_and_keyboard(page):
+    before = page.design()
+    handle(page, 1).send_keys("\ue014")  # arrow right
+    page.ready()
+    after = page.design()
+    assert after != before
+    page.wait("return !document.getElementById('undo').disabled")
+    page.browser.find_element("tag name", "body").send_keys("\ue009z")  # Ctrl+Z
+    page.wait(f"return studio.design[1] === {before[1]}")
+    page.ready()
+    page.click("redo")
+    page.wait(f"return studio.design[1] === {after[1]}")
+    page.ready()
+    assert page.design() == after
+
+
+def test_saved_file_repeats_the_page(page, server):
+    page.number(0, 0.2)
+    page.number(4, 0.5)
+    page.ready()
+    force = page.run(FORCE)
+    name, *_ = page.saved("save")
+    result = sm.analyze(sm.build_seal(server.folder / name))
+    # Newton stops at residuals of 1e-9 of the forces
+    assert result.reaction[-1, 1] == pytest.approx(force, rel=1e-8)
+
+
+def test_compared_designs(page):
+    page.click("keep")
+    page.wait("return studio.kept.length === 1")
+    page.number(4, 0.6)
+    page.ready()
+    page.click("keep")
+    page.wait("return studio.kept.length === 2")
+    assert len(page.browser.find_elements("css selector", "#curve path.line")) == 3
+    assert "friction on plate" in page.run("return document.getElementById('compared').innerText")
+    page.browser.find_element("css selector", "[data-take='A']").click()
+    page.wait("return studio.design[4] === 0.3")
+    page.browser.find_element("css selector", "[data-drop='B']").click()
+    page.wait("return studio.kept.length === 1")
+
+
+def test_improve_is_drawn_and_taken_back(page):
+    before = page.design()
+    page.click("improve")
+    page.wait("return studio.exact.number >= 2")
+    page.wait("return studio.status.job === null")
+    page.ready()
+    lights = page.run("return document.getElementById('lights').innerText")
+    assert "satisfied" in lights
+    assert page.design() != before
+    page.click("undo")
+    page.wait(f"return studio.design[0] === {before[0]}")
+
+
+def test_killed_worker_is_replaced(page):
+    (worker,) = workers(page)
+    os.kill(worker.pid, signal.SIGKILL)
+    page.wait("return document.getElementById('message').textContent.includes('is replaced')")
+    page.number(0, 0.1)
+    page.ready()
+    assert page.run(STATE) == "state exact"
+    assert [own.pid for own in workers(page)] != [worker.pid]
+
+
+def test_two_pages_show_one_design(page, server):
+    first = page.browser.current_window_handle
+    page.browser.switch_to.new_window("window")
+    try:
+        second = Page(page.browser, server.address)
+        second.ready()
+        second.number(0, 0.25)
+        second.ready()
+        page.browser.switch_to.window(first)
+        page.wait("return studio.design[0] === 0.25")
+        page.ready()
+    finally:
+        page.browser.switch_to.window(page.browser.window_handles[-1])
+        page.browser.close()
+        page.browser.switch_to.window(first)
+
+
+def test_shared_page_needs_no_server(page, server):
+    force = page.run("return document.getElementById('figures').innerText")
+    (name,) = page.saved("share")
+    shared = server.folder / name
+    text = shared.read_text(encoding="utf-8")
+    assert "src=" not in text.replace("\\u003c", "")
+    page.browser.get(shared.as_uri())
+    page.wait("return studio.drawn > 0")
+    assert page.run("return document.getElementById('figures').innerText") == force
+    assert page.run("return performance.getEntriesByType('resource').length") == 0
+    assert page.browser.find_elements("css selector", ".handle") == []
+    assert not page.browser.find_element("id", "save").is_displayed()
+
+
+@pytest.mark.parametrize("width", [420, 900, 1400])
+def test_no_page_scrolls_sideways(page, width):
+    size = page.browser.get_window_size()
+    page.browser.set_window_size(width, 900)
+    try:
+        time.sleep(0.3)
+        overflow = page.run("return document.documentElement.scrollWidth - innerWidth")
+        assert overflow <= 0
+    finally:
+        page.browser.set_window_size(size["width"], size["height"])
+
+
+@pytest.mark.long
+def test_a_hundred_random_actions(page, server):
+    rng = np.random.default_rng(41)
+    numbers = page.run("return studio.scene.numbers")
+    (worker,) = workers(page)
+    # compiled kernels and caches first
+    memory = None
+    for k in range(100):
+        action = rng.choice(
+            ["drag", "undo", "redo", "improve", "view"], p=[0.6, 0.15, 0.1, 0.05, 0.1]
+        )
+        if action == "drag":
+            p = int(rng.integers(4))
+            page.number(p, float(rng.uniform(numbers[p]["low"], numbers[p]["high"])))
+        elif action == "improve":
+            page.wait("return !document.getElementById('improve').hidden")
+            page.click("improve")
+            time.sleep(float(rng.uniform(0.0, 0.5)))
+            page.run("send({do: 'stop'})")
+        elif action == "view":
+            page.run("send({do: 'view', step: arguments[0]})", int(rng.integers(6)))
+        else:
+            page.run("send({do: arguments[0]})", action)
+        if k % 10 == 9:
+            page.wait("return studio.status.job === null")
+            page.ready()
+        if k == 29:
+            memory = worker.memory_info().rss
+    page.wait("return studio.status.job === null")
+    page.run("send({do: 'view', step: 5})")
+    page.ready()
+    assert page.run("return document.getElementById('message').hidden")
+    # no leak: as much as one analysis needs
+    assert worker.memory_info().rss - memory < 60 * 2**20
+    design, force = page.design(), page.run("return studio.exact.curves[0].force")
+    name, *_ = page.saved("save")
+    result = sm.analyze(sm.build_seal(server.folder / name))
+    largest = np.abs(result.reaction).max()
+    assert np.abs(result.reaction - np.array(force)).max() <= 1e-8 * largest, design
