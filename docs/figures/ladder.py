@@ -8,7 +8,7 @@ from benchmarks.ladder.rungs import RUNGS
 
 from figures.drawing import ROOT, picture
 from figures.tables import NONE, percent, table
-from seal_mdao.plotting.style import BLUE, GREY, VERMILION
+from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION
 
 STORED = ROOT / "docs" / "benchmarks" / "ladder.json"
 
@@ -17,7 +17,9 @@ def make(out: Path, reduced: bool) -> dict:
     """All tables and figures of the page."""
     stored = json.loads(STORED.read_text(encoding="utf-8"))
     rungs = {name: own for name, own in stored["rungs"].items() if name in RUNGS}
-    _values(out / "ladder.png", rungs)
+    compared = {name: own for name, own in rungs.items() if own.get("elements")}
+    _values(out / "ladder.png", compared)
+    _ironing(out / "ironing.png", rungs["ironing"])
     numbers = {f"{name}_table": _table(RUNGS[name], own) for name, own in rungs.items()}
     numbers["stability_table"] = _stability(stored["sealing_stability"])
     ends = [own["end_mm"] for own in stored["sealing_elements"]]
@@ -45,6 +47,10 @@ def _signed(value: float) -> str:
     return f"{100 * value:+.2f} %"
 
 
+def _number(value: float) -> str:
+    return f"{value:.0f}" if value > 1e4 else f"{value:.5g}"
+
+
 def _table(rung, own: dict) -> str:
     """Values, differences and times of all clouds and meshes of a rung."""
     exact, uncertain, kind = reference(own)
@@ -52,24 +58,24 @@ def _table(rung, own: dict) -> str:
     for quantity in rung.quantities:
         head += [quantity.name, "difference"]
     rows = []
-    for label, form in (("particles", "{} particles"), ("elements", "{} elements")):
+    for label in ("particles", "elements", "triangles"):
         for row in own.get(label, []):
-            cells = [form.format(row[label]), f"{row['seconds']:.2f}"]
+            cells = [f"{row[label]} {label}", f"{row['seconds']:.2f}"]
             last = label == kind and row is own[label][-1]
             for value, error in zip(row["values"], errors(row, exact), strict=True):
-                cells += [f"{value:.5g}", "reference" if last else _signed(error)]
+                cells += [_number(value), "reference" if last else _signed(error)]
             rows.append([*cells, _estimated(row)])
     uncertainty = ["uncertainty of the reference", ""]
     for share in uncertain:
         uncertainty += ["", percent(share)]
     rows.append([*uncertainty, ""])
-    for quantity in rung.quantities:
-        for value, source in quantity.published:
-            cells = [source, ""]
-            for other, own_value in zip(rung.quantities, exact, strict=True):
-                same = other is quantity
-                cells += [f"{value:.5g}", _signed(value / own_value - 1.0)] if same else ["", ""]
-            rows.append([*cells, ""])
+    sources = dict.fromkeys(source for own in rung.quantities for _, source in own.published)
+    for name in sources:
+        cells = [name, ""]
+        for quantity, own_value in zip(rung.quantities, exact, strict=True):
+            found = [value for value, source in quantity.published if source == name]
+            cells += [_number(found[0]), _signed(found[0] / own_value - 1.0)] if found else ["", ""]
+        rows.append([*cells, ""])
     return table([*head, "estimated error"], rows)
 
 
@@ -101,7 +107,7 @@ def _times(rungs: dict) -> str:
         if not own.get("elements"):
             continue
         exact, _, _ = reference(own)
-        meshes = own["elements"][:-1]
+        meshes = [*own["elements"][:-1], *own.get("triangles", [])]
         for row in own["particles"]:
             error = np.abs(errors(row, exact)).max()
             able = [mesh for mesh in meshes if np.abs(errors(mesh, exact)).max() <= error]
@@ -113,10 +119,11 @@ def _times(rungs: dict) -> str:
                 continue
             own_error = percent(np.abs(errors(peer, exact)).max())
             ratio = peer["seconds"] / row["seconds"]
-            cells += [str(peer["elements"]), own_error, f"{peer['seconds']:.2f}", f"{ratio:.1f}"]
+            kind = "elements" if "elements" in peer else "triangles"
+            cells += [f"{peer[kind]} {kind}", own_error, f"{peer['seconds']:.2f}", f"{ratio:.1f}"]
             rows.append(cells)
     head = ["benchmark", "section", "particles", "error", "time (s)"]
-    return table([*head, "elements", "their error", "their time (s)", "ratio"], rows)
+    return table([*head, "mesh", "its error", "its time (s)", "ratio"], rows)
 
 
 def _stability(stored: list) -> str:
@@ -135,13 +142,38 @@ def _stability(stored: list) -> str:
     return table(head, rows)
 
 
+def _ironing(path: Path, own: dict) -> None:
+    """Forces along the path of all clouds, and the ratio of the forces beside the literature."""
+    with picture(path, 1, 2, width=9.0, height=3.4) as (left, right):
+        for row, color in zip(own["particles"], CYCLE, strict=False):
+            stage, travel, fx, fy = np.array(row["curve"]).T
+            label = f"{row['particles']} particles"
+            place = np.where(stage == 1, travel - travel[stage == 1].max(), travel)
+            left.plot(place, 1e-3 * np.abs(fy), color=color, label=label)
+            left.plot(place, 1e-3 * np.abs(fx), color=color, linestyle="--")
+            drawn = stage == 2
+            right.plot(travel[drawn], np.abs(fx[drawn] / fy[drawn]), color=color, label=label)
+        for value, _ in RUNGS["ironing"].quantities[2].published:
+            right.axhline(value, color=GREY, linewidth=0.8, linestyle=":")
+        right.plot([], [], color=GREY, linestyle=":", label="literature, at 5 mm")
+        left.set(
+            xlabel="pressing (negative), sliding (mm)", ylabel="vertical, dashed: horizontal (kN/m)"
+        )
+        right.set(xlabel="sliding (mm)", ylabel="horizontal over vertical force", ylim=(0.2, 0.6))
+        left.legend(fontsize=7)
+        right.legend(fontsize=7)
+
+
 def _values(path: Path, rungs: dict) -> None:
     """Differences of all quantities over the time, a panel for every rung."""
     count = len(rungs)
     with picture(path, -(-count // 2), 2, width=9.0, height=2.6 * -(-count // 2)) as axes:
         for axis, (name, own) in zip(np.ravel(axes), rungs.items(), strict=False):
             exact, uncertain, kind = reference(own)
-            for label, color, marker in (("particles", BLUE, "o"), ("elements", VERMILION, "s")):
+            looks = ("particles", BLUE, "o"), ("elements", VERMILION, "s"), ("triangles", GREY, "^")
+            for label, color, marker in looks:
+                if label not in own:
+                    continue
                 rows = own.get(label, [])
                 rows = rows[:-1] if label == kind else rows
                 for k in range(len(exact)):

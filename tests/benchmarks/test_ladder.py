@@ -24,7 +24,8 @@ def test_stored_values_are_of_the_seal_file(name):
     assert own["seal_file"] == rung.digest
     assert [row["spacing"] for row in own["particles"]] == list(rung.spacings)
     assert [row["size"] for row in own.get("elements", [])] == list(rung.sizes)
-    for row in (*own["particles"], *own.get("elements", [])):
+    assert [row["size"] for row in own.get("triangles", [])] == list(rung.triangles)
+    for row in (*own["particles"], *own.get("elements", []), *own.get("triangles", [])):
         assert len(row["values"]) == len(rung.quantities)
 
 

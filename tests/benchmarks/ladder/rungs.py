@@ -42,6 +42,17 @@ def force(stage: int, name: str, published=()) -> Quantity:
     return Quantity(name, lambda table: abs(table[table[:, 0] == stage][-1, 3]), tuple(published))
 
 
+def friction_ratio(stage: int, name: str, published=()) -> Quantity:
+    """Horizontal over vertical force, the mean over the second half of a stage, counted from 1."""
+
+    def mean(table):
+        own = table[table[:, 0] == stage]
+        fx, fy = own[own[:, 1] >= 0.5 * own[-1, 1], 2:].T
+        return np.abs(fx / fy).mean()
+
+    return Quantity(name, mean, tuple(published))
+
+
 @dataclass(frozen=True)
 class Rung:
     """One benchmark.
@@ -56,9 +67,13 @@ class Rung:
         Of the particles, mm, from coarse to fine.
     quantities : tuple of Quantity
     sizes : tuple of float
-        Of the elements, mm, from coarse to fine; empty without finite elements of our own.
+        Of the elements of FElupe, mm, from coarse to fine; empty without.
+    triangles : tuple of float
+        Sizes of the triangles of NGSolve, mm, from coarse to fine; empty without.
     thin : bool
         Whether its rubber is a thin wall, not a solid section.
+    curve : bool
+        Whether the forces along the path are stored.
     quick : bool
         Whether the coarsest cloud takes a few seconds.
     """
@@ -69,7 +84,9 @@ class Rung:
     spacings: tuple
     quantities: tuple
     sizes: tuple = ()
+    triangles: tuple = ()
     thin: bool = False
+    curve: bool = False
     quick: bool = True
 
     @property
@@ -87,10 +104,15 @@ class Rung:
         return build_seal(replace(file, section=section))
 
 
+def path_table(result: SealResult) -> np.ndarray:
+    """Stage (from 1), travel in it (mm), Fx and Fy (N/m or N) of every load step, shape (n, 4)."""
+    result.require_converged()
+    return np.array(next(iter(reaction_tables(result).values())))
+
+
 def values_of(rung: Rung, result: SealResult) -> list[float]:
     """Values of the quantities of a rung, in their order."""
-    result.require_converged()
-    table = np.array(next(iter(reaction_tables(result).values())))
+    table = path_table(result)
     return [float(quantity.of(table)) for quantity in rung.quantities]
 
 
@@ -116,6 +138,25 @@ def lindley(squeeze: float) -> float:
     return 2.0 * np.pi * radius * per_length
 
 
+IRONING = {
+    "pressed": (
+        (267.9e3, "Poulios and Renard 2015"), (289.7e3, "Yastrebov 2011"),
+        (297.9e3, "Fischer and Wriggers 2006"), (319.5e3, "Hartmann et al. 2009"),
+        (332.0e3, "Code_Aster"),
+    ),
+    "drawn": (
+        (337.4e3, "Poulios and Renard 2015"), (359.5e3, "Yastrebov 2011"),
+        (365.1e3, "Fischer and Wriggers 2006"), (408.4e3, "Hartmann et al. 2009"),
+        (421.0e3, "Code_Aster"),
+    ),
+    "ratio": (
+        (0.30, "Poulios and Renard 2015"), (0.47, "Yastrebov 2011"),
+        (0.53, "Fischer and Wriggers 2006"), (0.38, "Hartmann et al. 2009"), (0.34, "Code_Aster"),
+        (0.32, "Batistić, Cardiff and Tuković 2022"), (0.32, "Houssein 2022"),
+    ),
+}  # fmt: skip
+"""Read from the figures of these works by the authors of solids4foam (its tutorial shallowIroning);
+ratios after 5 mm of sliding."""
 RUNGS = {
     "rubber_sealing": Rung(
         "Rubber sealing, top bonded to a plate",
@@ -128,6 +169,7 @@ RUNGS = {
             force(2, "force of the half section at 1.65 mm (N/m)"),
         ),
         (1.0, 0.5, 0.25, 0.15),
+        (2.0, 1.0, 0.5),
         thin=True,
     ),
     "urethane_ring": Rung(
@@ -187,6 +229,22 @@ RUNGS = {
             force(2, "force at 10 % compression (N)"),
         ),
         (1.0, 0.5, 0.25),
+    ),
+    "ironing": Rung(
+        "Shallow ironing, friction 0.3",
+        "K. A. Fischer, P. Wriggers, Comput. Methods Appl. Mech. Engrg. 195 (2006) 5020; dimensions "
+        "from V. A. Yastrebov, Numerical Methods in Contact Mechanics (2013)",
+        HERE / "ironing.toml",
+        (0.55, 0.45, 0.35),
+        (
+            force(1, "vertical force at 1 mm (N/m)", IRONING["pressed"]),
+            force(2, "vertical force at 5 mm of sliding (N/m)", IRONING["drawn"]),
+            friction_ratio(
+                2, "horizontal over vertical force, mean from 2.5 to 5 mm", IRONING["ratio"]
+            ),
+        ),
+        curve=True,
+        quick=False,
     ),
 }
 """By name, thin walls first."""
