@@ -5,11 +5,12 @@ ring has axisymmetric elements, and forces in mN.
 """
 
 import re
-from itertools import pairwise
+from itertools import combinations_with_replacement, pairwise
 from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.contact.friction_law import FrictionLaw
 from seal_mdao.errors import SealFileError
 from seal_mdao.export.abaqus_materials import element_type, material_lines
@@ -17,7 +18,7 @@ from seal_mdao.export.abaqus_mesh import QuadraticMesh, quadratic_mesh
 from seal_mdao.export.abaqus_profiles import has_cubic, surface_lines
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
-from seal_mdao.seals.profiles import contacts, self_contacts
+from seal_mdao.seals.profiles import contacts, moved_edges, self_contacts
 
 PER_LINE = 16
 """Numbers in a line of a set."""
@@ -71,7 +72,7 @@ def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:
         f"Seal of {file.path.name}: mm, kPa, {kind}",
         *(f"** NOT EXPORTED: {text}" for text in left_out),
         *_mesh_lines(seal, mesh), *_material_lines(seal, mesh), *_profile_lines(file, seal, mesh),
-        *_self_contact_lines(file, seal, mesh), *_fixed_lines(file), *_step_lines(seal),
+        *_self_contact_lines(file, seal, mesh), *_fixed_lines(file), *_step_lines(file, seal),
     ]  # fmt: skip
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return left_out
@@ -86,8 +87,16 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
         found.append(
             "[model]: temperature, swelling and axial_stretch: materials as at the reference"
         )
+    for name, own in file.material_tables.items():
+        if own.viscoelastic is not None:
+            found.append(f"[material.{name}.viscoelastic]: relaxation")
+        if own.softening is not None:
+            found.append(f"[material.{name}.softening]: softening")
+    for label, (_, _, motion) in _moved(file, seal).items():
+        if np.ptp(motion.angles) > 0.0:
+            found.append(f"rotation of the moved edges {label!r}: their nodes are translated alone")
     for contact in (*contacts(seal), *self_contacts(seal)):
-        if isinstance(contact.law.friction, FrictionLaw):
+        if any(isinstance(own, FrictionLaw) for own in _frictions(contact.law)):
             found.append(
                 f"friction law of {contact.label!r}: its contact has no friction in the file"
             )
@@ -155,11 +164,16 @@ def _surface(seal: OutlineSeal, mesh: QuadraticMesh, name: str, edges) -> list[s
     return [*lines, f"*SURFACE, TYPE=ELEMENT, NAME={name}", *data]
 
 
-def _interaction(name: str, law) -> list[str]:
-    """Write the contact law: hard contact, Coulomb's friction."""
+def _frictions(law) -> tuple:
+    """Return the coefficients or laws of friction of a contact law, one or one for every group."""
+    return law.friction.laws if isinstance(law.friction, FrictionByGroup) else (law.friction,)
+
+
+def _interaction(name: str, friction) -> list[str]:
+    """Write a contact law: hard contact, Coulomb's friction."""
     lines = [f"*SURFACE INTERACTION, NAME={name}", "1.,"]
-    if not isinstance(law.friction, FrictionLaw) and law.friction:
-        lines += ["*FRICTION", f"{law.friction:.12g},"]
+    if not isinstance(friction, FrictionLaw) and friction:
+        lines += ["*FRICTION", f"{friction:.12g},"]
     return lines
 
 
@@ -168,49 +182,93 @@ def _profile_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> li
     lines, edges = [], {own.name: own.contact for own in file.profiles}
     for number, contact in enumerate(contacts(seal), len(mesh.points) + 1):
         label, pose = contact.label, contact.motion.pose(0.0)
-        reference, rigid, rubber, law = (
-            name_of(word, label) for word in ("REFERENCE", "RIGID", "RUBBER", "CONTACT")
-        )
+        reference, rigid = (name_of(word, label) for word in ("REFERENCE", "RIGID"))
         lines += _set(f"*NSET, NSET={reference}", [number - 1])
         lines += ["** outward normal on the left of the segments"]
         lines += [f"*SURFACE, TYPE=SEGMENTS, NAME={rigid}"]
         lines += surface_lines(contact.shape.profile(), pose)
-        lines += [f"*RIGID BODY, ANALYTICAL SURFACE={rigid}, REF NODE={number}"]
-        lines += _surface(seal, mesh, rubber, edges[label])
-        lines += _interaction(law, contact.law)
-        lines += [
-            f"*CONTACT PAIR, INTERACTION={law}, TYPE=SURFACE TO SURFACE",
-            f"{rubber}, {rigid}",
-        ]
+        body = f"*RIGID BODY, ANALYTICAL SURFACE={rigid}, REF NODE={number}"
+        if label in file.glued:
+            # bonded edges move with the reference node
+            sides = np.concatenate([seal.body.edge(edge).sides for edge in file.glued[label]])
+            bonded = name_of("GLUED", label)
+            lines += _set(f"*NSET, NSET={bonded}", mesh.nodes(sides))
+            body += f", TIE NSET={bonded}"
+        lines.append(body)
+        # edges with a friction of their own are surfaces of their own
+        parts = [((), edges[label], contact.law.friction)]
+        if isinstance(contact.law.friction, FrictionByGroup):
+            own = contact.law.friction
+            parts = [((n,), (n,), law) for n, law in zip(own.names, own.laws, strict=True)]
+        for words, touching, friction in parts:
+            rubber, law = (name_of(word, label, *words) for word in ("RUBBER", "CONTACT"))
+            lines += _surface(seal, mesh, rubber, touching)
+            lines += _interaction(law, friction)
+            lines += [
+                f"*CONTACT PAIR, INTERACTION={law}, TYPE=SURFACE TO SURFACE",
+                f"{rubber}, {rigid}",
+            ]
     return lines
 
 
 def _self_contact_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
-    """Write the contact of the section with itself."""
+    """Write the contact of the section with itself; of edges by pairs where these have a friction."""
     lines = []
     for contact in self_contacts(seal):
-        surface, law = (name_of(word, contact.label) for word in ("RUBBER", "CONTACT"))
-        lines += _surface(seal, mesh, surface, file.self_contact.edges)
-        lines += _interaction(law, contact.law)
-        lines += [f"*CONTACT PAIR, INTERACTION={law}", f"{surface},"]
+        label, edges, friction = contact.label, file.self_contact.edges, contact.law.friction
+        if not isinstance(friction, FrictionByGroup):
+            surface, law = (name_of(word, label) for word in ("RUBBER", "CONTACT"))
+            lines += _surface(seal, mesh, surface, edges)
+            lines += _interaction(law, friction)
+            lines += [f"*CONTACT PAIR, INTERACTION={law}", f"{surface},"]
+            continue
+        surfaces = {edge: name_of("RUBBER", label, edge) for edge in edges}
+        for edge, surface in surfaces.items():
+            lines += _surface(seal, mesh, surface, [edge])
+        # the pairs of the file, then all others if these may touch
+        own = {frozenset(pair.edges): pair.friction for pair in file.self_contact.pairs}
+        for one, other in combinations_with_replacement(edges, 2):
+            value = own.get(frozenset((one, other)), file.self_contact.friction)
+            if value is None:
+                continue
+            law, second = name_of("CONTACT", label, one, other), surfaces[other]
+            lines += _interaction(law, value)
+            lines += [f"*CONTACT PAIR, INTERACTION={law}"]
+            lines += [f"{surfaces[one]}, {second if one != other else ''}".rstrip()]
     return lines
 
 
+def _moved(file: SealFile, seal: OutlineSeal) -> dict:
+    """Return edges, components and motion of edges that are moved without a rigid surface, by label."""
+    own = {moved.name: (moved.edges, moved.components) for moved in file.moved}
+    own |= {label: (edges, (0, 1)) for label, edges in file.glued.items()}
+    rigid = {contact.label for contact in contacts(seal)}
+    every = {edges.label: edges.motion for edges in moved_edges(seal)}
+    return {label: (*own[label], motion) for label, motion in every.items() if label not in rigid}
+
+
 def _fixed_lines(file: SealFile) -> list[str]:
-    """Write prescribed displacements of edges: all of fixed ones, those across planes of symmetry."""
+    """Write fixed components of edges: all of fixed ones, those across planes of symmetry."""
+    # edges that move are prescribed in the steps
+    moving = {name for own in file.moved for name in own.edges}
+    moving |= {name for edges in file.glued.values() for name in edges}
     rows = [
         f"{name_of('EDGE', name)}, {component + 1}, {component + 1}"
         for name, components in file.supports.items()
         for component in components
+        if name not in moving
     ]
     return ["*BOUNDARY", *rows] if rows else []
 
 
-def _step_lines(seal: OutlineSeal) -> list[str]:
-    """Write a step for every stage, with total displacements and rotations of the reference nodes."""
+def _step_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
+    """Write a step for every stage, with total displacements of the reference nodes, their rotations,
+    and the displacements of moved edges."""
     motions = {own.label: own.motion for own in contacts(seal)}
-    # stages of all profiles, by the load steps at their ends
-    ends = sorted({0, *(int(end) for m in motions.values() for end in np.cumsum(m.steps))})
+    moved = _moved(file, seal)
+    along = [*motions.values(), *(motion for _, _, motion in moved.values())]
+    # stages of all motions, by the load steps at their ends
+    ends = sorted({0, *(int(end) for motion in along for end in np.cumsum(motion.steps))})
     lines = []
     for number, (first, last) in enumerate(pairwise(ends), 1):
         lines += [f"*STEP, NAME=STAGE_{number}, NLGEOM=YES, INC={MOST_INCREMENTS}", "*STATIC"]
@@ -221,6 +279,13 @@ def _step_lines(seal: OutlineSeal) -> list[str]:
             change = motion.coordinates(last) - motion.coordinates(0)
             rows = zip((1, 2, 6), change.tolist(), strict=True)
             lines += [f"{name_of('REFERENCE', label)}, {c}, {c}, {own:.12g}" for c, own in rows]
+        for edges, components, motion in moved.values():
+            change = motion.coordinates(last) - motion.coordinates(0)
+            lines += [
+                f"{name_of('EDGE', edge)}, {c + 1}, {c + 1}, {change[c]:.12g}"
+                for edge in edges
+                for c in components
+            ]
         lines += ["*OUTPUT, FIELD, VARIABLE=PRESELECT", "*OUTPUT, HISTORY"]
         for label in motions:
             lines += [

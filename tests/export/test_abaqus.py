@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from ring_files import cylinder, ring
+from seal_file.block_files import FIXED, GLUED, MOVED, file_of
 
 import seal_mdao as sm
 from seal_mdao.export.abaqus import not_exported, write_abaqus
@@ -38,9 +39,10 @@ class Exported:
     """An example, its seal, and the file that was written."""
 
     def __init__(self, name, folder):
-        self.file = sm.read_seal_file(EXAMPLES / f"{name}.toml")
+        given = isinstance(name, sm.SealFile)
+        self.file = name if given else sm.read_seal_file(EXAMPLES / f"{name}.toml")
         self.seal = unchosen_seal(self.file)
-        self.path = folder / f"{name}.inp"
+        self.path = folder / f"{self.file.path.stem}.inp"
         self.left_out = write_abaqus(self.file, self.seal, self.path)
         self.text = self.path.read_text(encoding="utf-8")
 
@@ -188,6 +190,102 @@ def test_contact_surfaces_are_the_sides_of_their_edges(exported):
     assert found == set(map(tuple, own.seal.body.edge("seal").sides.tolist()))
 
 
+def changed(folder, name, *changes, more=""):
+    """An example with other lines, exported."""
+    text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / f"{name}.toml").write_text(text + more, encoding="utf-8")
+    return Exported(sm.read_seal_file(folder / f"{name}.toml"), folder)
+
+
+def sides_of(own, surface):
+    """Corners of the sides of a surface, from 0."""
+    elements = {
+        int(row[0]): [int(n) - 1 for n in row[1:4]]
+        for number, _ in enumerate(own.seal.definitions[0].regions, 1)
+        for row in own.data(f"ELSET=REGION_{number}")
+    }
+    sets = {row[0]: int(row[1][1]) for row in own.data(f"TYPE=ELEMENT, NAME={surface}")}
+    return {
+        (elements[e][side - 1], elements[e][side % 3])
+        for name, side in sets.items()
+        for row in own.data(f"*ELSET, ELSET={name}")
+        for e in (int(n) for n in row if n)
+    }
+
+
+def frictions(own):
+    """Coefficient of every contact, 0 without, and surfaces of its pair, by its name."""
+    found = {}
+    for block in own.text.split("*SURFACE INTERACTION, NAME=")[1:]:
+        lines = block.splitlines()
+        value = float(lines[3].strip(",")) if lines[2] == "*FRICTION" else 0.0
+        pair = next(i for i, line in enumerate(lines) if line.startswith("*CONTACT PAIR"))
+        assert f"INTERACTION={lines[0]}" in lines[pair]
+        found[lines[0]] = value, lines[pair + 1]
+    return found
+
+
+def test_edges_with_a_friction_of_their_own_are_pairs_of_their_own(tmp_path):
+    own = changed(
+        tmp_path, "d_bulb", ('contact = ["seal"]', 'contact = ["right_side", "seal"]'),
+        ("friction = 0.25", "friction = { right_side = 0.1, seal = 0.4 }"),
+    )  # fmt: skip
+    assert frictions(own) == {
+        "CONTACT_DOOR_RIGHT_SIDE": (0.1, "RUBBER_DOOR_RIGHT_SIDE, RIGID_DOOR"),
+        "CONTACT_DOOR_SEAL": (0.4, "RUBBER_DOOR_SEAL, RIGID_DOOR"),
+    }
+    for edge in ("right_side", "seal"):
+        sides = own.seal.body.edge(edge).sides.tolist()
+        assert sides_of(own, f"RUBBER_DOOR_{edge.upper()}") == set(map(tuple, sides))
+
+
+@pytest.mark.parametrize("others", [True, False])
+def test_pairs_of_self_contact_have_their_friction(tmp_path, others):
+    """All other pairs may touch only where [self_contact] has a friction."""
+    pair = '[[self_contact.pair]]\nedges = ["body", "front"]\nfriction = 0.7\n'
+    old = 'edges = ["body", "front", "tip"]\nfriction = 0.4\n'
+    new = old if others else 'edges = ["body", "front", "tip"]\n'
+    found = frictions(changed(tmp_path, "folded_lip", (old, new + pair)))
+    del found["CONTACT_ROD"]
+    own = "RUBBER_SELF_CONTACT_"
+    expected = {"CONTACT_SELF_CONTACT_BODY_FRONT": (0.7, f"{own}BODY, {own}FRONT")}
+    if others:
+        for one, other in (
+            ("BODY", "BODY"), ("BODY", "TIP"), ("FRONT", "FRONT"), ("FRONT", "TIP"), ("TIP", "TIP"),
+        ):  # fmt: skip
+            second = f" {own}{other}" if one != other else ""
+            expected[f"CONTACT_SELF_CONTACT_{one}_{other}"] = 0.4, f"{own}{one},{second}"
+    assert found == expected
+
+
+def test_bonded_edges_move_with_the_rigid_body(tmp_path):
+    own = Exported(file_of(tmp_path, FIXED, GLUED), tmp_path)
+    assert "TIE NSET=GLUED_PLATE" in own.text.partition("*RIGID BODY")[2].partition("\n")[0]
+    mesh = own.mesh()
+    bonded, top = (mesh.point_sets[name] for name in ("GLUED_PLATE", "EDGE_TOP"))
+    assert sorted(bonded) == sorted(top)
+    # fixed edges alone are held
+    assert own.data("*BOUNDARY") == [["EDGE_BASE", "1", "1"], ["EDGE_BASE", "2", "2"]]
+    assert not own.left_out
+
+
+def test_moved_edges_are_displaced_in_the_steps(tmp_path):
+    text = 'directions = ["y"]\nstage = [{ translate = [0, -0.4], steps = 4 }]\n'
+    own = Exported(file_of(tmp_path, FIXED, f'[[moved]]\nedges = ["top"]\n{text}'), tmp_path)
+    assert own.data("*BOUNDARY") == [["EDGE_BASE", "1", "1"], ["EDGE_BASE", "2", "2"]]
+    (step,) = own.text.split("*STEP")[1:]
+    rows = step.partition("*BOUNDARY\n")[2].partition("\n*")[0].splitlines()
+    assert rows == ["EDGE_TOP, 2, 2, -0.4"]
+    assert not own.left_out
+    turned = Exported(file_of(tmp_path, FIXED, MOVED), tmp_path)
+    assert turned.left_out == [
+        "rotation of the moved edges 'top': their nodes are translated alone"
+    ]
+
+
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_constants_convert_back(law):
     """Small strains: shear and bulk modulus by the formulas of Abaqus."""
@@ -230,6 +328,7 @@ def test_what_is_not_exported_is_reported(exported, tmp_path):
     own = exported("sealed_bulb")
     assert own.left_out == ["[[cavity]] of hole 1: trapped air"]
     assert "** NOT EXPORTED: [[cavity]] of hole 1: trapped air" in own.text
+    assert "[material.sponge.viscoelastic]: relaxation" in exported("slammed_strip").left_out
     fluid = exported("o_ring_under_pressure")
     assert not_exported(fluid.file, fluid.seal) == ["[[fluid]] 'fluid': fluid pressure"]
 
