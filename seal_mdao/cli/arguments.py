@@ -143,6 +143,17 @@ def travel(text: str) -> float:
     return value
 
 
+def percentage(text: str) -> float:
+    """Parse a percentage for argparse, such as 1 or "1 %"; returns a fraction."""
+    try:
+        value = float(text.strip().removesuffix("%")) / 100.0
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= 0.5:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage above 0, at most 50")
+    return value
+
+
 def existing_file(text: str) -> Path:
     """Parse the path of an existing file for argparse; a missing file is a usage error."""
     if not Path(text).is_file():

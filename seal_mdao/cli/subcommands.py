@@ -13,6 +13,7 @@ COMMANDS = {
     "new": "write a seal file to start from, with comments, or from a drawing",
     "keys": "list tables of seal files, laws and measures, and their keys with units",
     "check": "read a seal file, fill its section, draw it, estimate the time of an analysis",
+    "refine": "choose the spacing of the particles for a given accuracy",
     "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
     "studio": "change a seal by dragging on a local page: forces and stress at once",
     "optimize": "optimise the shape of a seal",
