@@ -7,7 +7,7 @@ from verification.example_optima import BLIND, LIMITED, stored
 
 import seal_mdao as sm
 from figures.drawing import captioned_files, picture
-from figures.seal_files import example, sketched
+from figures.seal_files import example, example_seal, sketched
 from figures.tables import table
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION
 from seal_mdao.plotting.time_curves import READABLE
@@ -26,7 +26,7 @@ TICKS = 1.0, 60.0, 3600.0, 86_400.0, 365.25 * 86_400.0, 10.0 * 365.25 * 86_400.0
 def make(out: Path, reduced: bool) -> dict:
     """The picture, and the table of both optima."""
     file = example(NAME, reduced)
-    seal = sm.build_seal(file)
+    seal = example_seal(file, reduced)
     limit = file.optimize.constraints[0].lower
     rows = []
     with (

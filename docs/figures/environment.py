@@ -6,7 +6,7 @@ import numpy as np
 
 import seal_mdao as sm
 from figures.drawing import picture
-from figures.seal_files import example
+from figures.seal_files import example, example_seal
 from seal_mdao.plotting.style import BLUE, VERMILION
 
 TEMPERATURES = np.array([-25.0, 0.0, 23.0, 50.0, 80.0, 110.0])
@@ -15,7 +15,9 @@ STRETCHES = np.array([1.0, 1.02, 1.04, 1.06, 1.08])
 
 def make(out: Path, reduced: bool) -> dict:
     """The picture, and the changes that the page names."""
-    lip, strip = (sm.build_seal(example(n, reduced)) for n in ("shaft_lip", "stretched_strip"))
+    lip, strip = (
+        example_seal(example(n, reduced), reduced) for n in ("shaft_lip", "stretched_strip")
+    )
     hot = _forces(lip, "temperature", TEMPERATURES[1:4] if reduced else TEMPERATURES)
     longer = _forces(strip, "axial_stretch", STRETCHES[1:4] if reduced else STRETCHES)
     with picture(out / "environment.png", 1, 2, width=9.6, height=3.8) as panels:

@@ -7,7 +7,7 @@ from verification.rough_contact import simulated
 
 import seal_mdao as sm
 from figures.drawing import picture
-from figures.seal_files import example
+from figures.seal_files import example, example_seal
 from seal_mdao.measures.contact_pressure import PeakPressure
 from seal_mdao.measures.leak_rate import LeakRate
 from seal_mdao.measures.roughness import Roughness
@@ -27,7 +27,7 @@ def make(out: Path, reduced: bool) -> dict:
     ratios = FRACTIONS * ROUGH.percolation_ratio
     n, seeds = (64, 1) if reduced else (256, 3)
     found = np.array([simulated(ROUGH, n, seed, ratios) for seed in range(seeds)])
-    bulb = sm.analyze(sm.build_seal(example("d_bulb", reduced)))
+    bulb = sm.analyze(example_seal(example("d_bulb", reduced), reduced))
     bulb.require_converged()
     with picture(out / "leak_rate.png", 1, 2, width=9.6, height=3.8) as panels:
         _simulations(panels[0], found)

@@ -1,4 +1,5 @@
-"""The worked examples of seal files, and their optima, which ``verification.example_optima`` stores."""
+"""The worked examples of seal files, with load steps and penalties that ``verification.accuracy_study``
+stores, and their optima, which ``verification.example_optima`` stores."""
 
 import re
 from dataclasses import replace
@@ -6,6 +7,7 @@ from math import nan
 from pathlib import Path
 
 import numpy as np
+from verification import accuracy_study
 from verification.example_optima import stored
 
 import seal_mdao as sm
@@ -54,7 +56,7 @@ def make(out: Path, reduced: bool) -> dict:
 
 def _drawn(file, stem: Path, reduced: bool) -> tuple[SealResult, list]:
     """Analyse and draw an example and its optimum, files named after ``stem``; a row if there is one."""
-    seal = sm.build_seal(file)
+    seal = example_seal(file, reduced)
     result = sm.analyze(seal)
     result.require_converged()
     save(section_cloud(result), Path(f"{stem}_section.png"))
@@ -101,6 +103,12 @@ def example(name: str, reduced: bool):
     """Read an example; in the reduced mode the first part of its path."""
     file = sm.read_seal_file(ROOT / "examples" / f"{name}.toml")
     return begun(file) if reduced else file
+
+
+def example_seal(file, reduced: bool) -> sm.Seal:
+    """Build the seal of an example with the stored load steps and penalties, of a part with its own."""
+    chosen = {} if reduced else accuracy_study.stored("example_choice", name=file.path.stem)
+    return sm.build_seal(file, **chosen)
 
 
 def begun(file):

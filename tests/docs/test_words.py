@@ -44,10 +44,10 @@ OWN = "test_words.py"
 
 def texts():
     """Text of every page and source, with strings and comments joined over their lines."""
-    for name in ("README.md", "CHANGELOG.md"):
+    for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
         yield ROOT / name
     for folder in SOURCES:
-        for kind in ("*.md", "*.py", "*.toml"):
+        for kind in ("*.md", "*.py", "*.toml", "*.ipynb"):
             for path in sorted((ROOT / folder).rglob(kind)):
                 if not {"_build", "_generated"} & {*path.parts} and path.name != OWN:
                     yield path

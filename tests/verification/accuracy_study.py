@@ -39,6 +39,7 @@ from verification.study_quantities import (
     difference,
     disc_modulus,
     equal_steps,
+    example_choice,
     example_steps,
     file_errors,
     inflated_error,
@@ -52,10 +53,11 @@ from verification.study_quantities import (
     refined_steps,
     ring_error,
     section_error,
+    squeezed_ring,
 )
 
 VALUES = REFERENCES / "accuracy.json"
-DIGITS, EXACT = 6, {"difference": 16}
+DIGITS, EXACT = 6, {"difference": 16, "example_choice": 16}
 """Digits of stored floats, and where they are more."""
 
 # ---- cases ----
@@ -104,6 +106,8 @@ RINGS = {
     "shaft_lip": (0.5, 0.375, 0.25),
 }  # fmt: skip
 """Spacings of bodies of revolution, mm; those of the files are the first, of the O-ring the second."""
+SQUEEZED = (0.4, 0.25, 0.15)
+"""Spacings of the O-ring between planes, mm."""
 DISCS = {"ring_disc_2": 2.0, "ring_disc_5": 5.0}
 INNER, RING_RADII, WALL_CELLS = (0.0, 1.0), (40.0, 400.0, 4000.0, 40000.0), (8, 16, 32, 64)
 FINEST = (232, 9)
@@ -130,6 +134,7 @@ def cases() -> dict:
     layered = [{"rays": rays, "layers": n, **own} for rays, own in schemes for n in LAYERS]
     at = [ENGINEERING | {"contact_points": points} for points in COMPARED]
     named = [{"accuracy": name} for name in ACCURACIES]
+    examples = [{"name": path.stem} for path in sorted(EXAMPLES.glob("*.toml"))]
     return {
         "worst_error": clouds + layered + at,
         "limit_error": [
@@ -149,7 +154,8 @@ def cases() -> dict:
         "section_error": [{"name": n, "soft": soft} for n in SECTIONS for soft in (False, True)],
         "equal_steps": [{"steps": n} for n in EQUAL_STEPS],
         "chosen_steps": [{"tolerance": t} for t in TOLERANCES],
-        "example_steps": [{"name": path.stem} for path in sorted(EXAMPLES.glob("*.toml"))],
+        "example_steps": examples,
+        "example_choice": examples,
         "outline_error": [{"spacing": s, "scheme": name} for s in SPACINGS for name in SCHEMES],
         "bulb_errors": [{"rays": rays} for rays in RAYS],
         "file_errors": [{"name": name} for name in FILES],
@@ -168,6 +174,7 @@ def cases() -> dict:
             {"inner": r, "share": s, "kind": k}
             for k in ("averages", "particles") for r in INNER for s in (0.0, 0.3)
         ],
+        "squeezed_ring": [{"spacing": s} for s in SQUEEZED],
         "inflated_error": [{"kind": k, "cells": n} for k in ("tube", "sphere") for n in WALL_CELLS],
         "large_ring_error": [{"radius": r} for r in RING_RADII],
     }  # fmt: skip
@@ -177,9 +184,9 @@ FUNCTION = {
     f.__name__: f
     for f in (
         worst_error, limit_error, bending_error, flat_errors, corner_error, opened_gap,
-        section_error, equal_steps, chosen_steps, example_steps, outline_error, bulb_errors,
-        file_errors, refined_steps, refined_corner, refined_flat, difference, ring_error,
-        disc_modulus, pressed_ring_error, inflated_error, large_ring_error,
+        section_error, equal_steps, chosen_steps, example_steps, example_choice, outline_error,
+        bulb_errors, file_errors, refined_steps, refined_corner, refined_flat, difference, ring_error,
+        disc_modulus, pressed_ring_error, squeezed_ring, inflated_error, large_ring_error,
     )
 }  # fmt: skip
 

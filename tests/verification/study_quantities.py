@@ -9,6 +9,7 @@ import numpy as np
 
 from seal_mdao.seals.door.door_seal import door_seal
 from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.section_cloud import Kernels
@@ -33,6 +34,7 @@ from verification.file_errors import (
     with_kernels,
 )
 from verification.flexure import bend_block
+from verification.o_ring import squeeze_ring
 from verification.outline_errors import flat_door_seal, reaction_error
 from verification.pressed_elements import CORNER
 from verification.ray_bulb import COMPARED, limit, ray_bulb
@@ -122,6 +124,20 @@ def example_steps(name: str) -> dict:
     lengths = np.diff(ends, prepend=0.0)
     ratio = lengths.max() / lengths.min()
     return _step_errors(seal, ends) | {"ratio": ratio, "solved": len(solved)}
+
+
+def example_choice(name: str) -> dict:
+    """Load steps and penalties that an example leaves open: keyword arguments of ``build_seal``.
+
+    A choice analyses a path several times, a picture with the choice once.
+    """
+    file = read_seal_file(EXAMPLES / f"{name}.toml")
+    return chosen_for(file, build_seal(file))
+
+
+def squeezed_ring(spacing: float) -> dict:
+    """Forces and peak pressures of the O-ring of the examples between planes."""
+    return squeeze_ring(read_seal_file(EXAMPLES / "o_ring.toml"), spacing)._asdict()
 
 
 SCHEMES = {
