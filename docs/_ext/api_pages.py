@@ -20,6 +20,7 @@ TITLES = {
     "equilibrium": "Discretisation and linear solvers",
     "analysis": "Analysis",
     "measures": "Measures",
+    "accuracy": "Error bars",
     "dsa": "Design sensitivity analysis",
     "scenarios": "Scenarios",
     "tolerances": "Tolerances",
@@ -28,6 +29,7 @@ TITLES = {
     "recording": "Recorder files",
     "plotting": "Figures",
     "report": "HTML report",
+    "studio": "Live section",
     "verification": "Benchmarks",
 }
 
