@@ -1,5 +1,6 @@
 """Tables that are made from the code."""
 
+import re
 import subprocess
 import sys
 
@@ -34,3 +35,11 @@ def test_help_texts_are_those_that_the_programs_print(docs_module, docs, monkeyp
     scripts = docs.parent / "run_scripts"
     printed = subprocess.run(program, check=True, stdout=subprocess.PIPE, text=True, cwd=scripts)
     assert f"```text\n{printed.stdout.rstrip()}\n```" in page
+
+
+def test_every_package_has_a_page_of_the_reference(docs, docs_module):
+    """A page that no table of contents lists is a warning of the build, which stops it."""
+    packages = docs_module("api_pages").modules()
+    pages = {"top" if own == "seal_mdao" else own.rpartition(".")[2] for own in packages}
+    index = (docs / "reference" / "index.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"_generated/api/(\w+)", index)) == pages
