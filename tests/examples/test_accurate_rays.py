@@ -95,6 +95,10 @@ def test_other_clouds_are_touched_at_their_particles_unless_the_file_says_otherw
             r"profile_work \(\[\[measure\]\] 1\) of a profile that",
         ),
         (
+            [(STEPS, STEPS + f"rotate = 1.0\n{WORK.replace('profile', 'friction')}")],
+            r"friction_work \(\[\[measure\]\] 1\) of a profile that",
+        ),
+        (
             [(FIXED, ""), ("start = [0.0, 10.0]", "start = [0.0, 9.5]")],
             "no profile may touch it at a part",
         ),

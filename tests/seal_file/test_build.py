@@ -183,6 +183,20 @@ def test_short_pads_with_three_layers_are_reported_where_their_force_errs(tmp_pa
     assert fine.seal.warnings == ()
 
 
+def test_a_quarter_of_a_block_is_held_by_its_planes(tmp_path):
+    """The contact patch test through a file: no other edge is fixed, nothing touches at the start."""
+    planes = 'symmetry = [{ edges = ["left"], normal = "x" }, { edges = ["base"], normal = "y" }]\n'
+    text = rectangle(12.0, 6.0, 4).replace('[fixed]\nedges = ["base"]\n', "")
+    text = text.replace("start = [0.0, 6.0]", 'contact_points = "averages"\nstart = [0.0, 6.5]')
+    text = planes + text.replace("friction = 0.2", "friction = 0.0")
+    result = sm.analyze(build_seal(read(tmp_path, text)))
+    gap = result.response("plate").gap
+    assert np.abs(gap / gap.mean() - 1.0).max() < 1e-10
+    # one plane alone lets it slide
+    with pytest.raises(sm.SealFileError, match="profiles have to hold the section"):
+        read(tmp_path, text.replace(', { edges = ["base"], normal = "y" }', ""))
+
+
 @pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])
 def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
     seal = build_seal(read(tmp_path, rectangle(20.0 * scale, 6.0 * scale, 5)))

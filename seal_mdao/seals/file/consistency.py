@@ -364,10 +364,11 @@ def _check_contact_points(where: str, profile, file) -> None:
     for number, measure in enumerate(file.measures, 1):
         # the moment of a profile that turns needs forces at particles
         of = getattr(measure, "profile", None)
-        if measure.type == "profile_work" and of == profile.name and profile.turns:
+        own = measure.type == "profile_work" and of == profile.name
+        if profile.turns and (own or measure.type == "friction_work"):
             raise SealFileError(
-                f"{where} the profile_work ([[measure]] {number}) of a profile that turns needs contact "
-                "at the particles; leave contact_points or the measure out"
+                f"{where} the {measure.type} ([[measure]] {number}) of a profile that turns needs "
+                "contact at the particles; leave contact_points or the measure out"
             )
 
 
@@ -398,7 +399,9 @@ def _check_bodies_held(file, gaps) -> None:
         fixed = {name for name, held in file.supports.items() if AXIAL in held}
     for number, contours in enumerate(outline.bodies, 1):
         names = {name for contour in contours for name in contour.edge_names}
-        if names & fixed:
+        # planes of symmetry along both axes hold a body in the plane
+        normals = {plane.normal for plane in file.symmetries if names & set(plane.edges)}
+        if names & fixed or len(normals) == 2:
             continue
         # a profile holds a body only at a particle that it touches at the start
         own = [
