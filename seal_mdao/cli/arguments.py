@@ -39,6 +39,10 @@ SAMPLES = "samples.sqlite"
 """Samples of a tolerance study there."""
 
 
+CTRL_C = 130
+"""Exit status after Ctrl-C: 128 + SIGINT, as shells report it."""
+
+
 class WrongArgumentError(Exception):
     """Raised for arguments with which a subcommand cannot start."""
 
@@ -195,6 +199,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         arguments.out = arguments.restart.parent
     # fail on an unwritable folder before any analysis
     _require_folder(made, arguments.out)
+    before = _files(arguments.out)
     try:
         return _printed_as_asked(main, arguments)
     except sm.SealFileError as error:
@@ -208,10 +213,9 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         return _ended(made, str(error), 1)
     except (OSError, sqlite3.DatabaseError) as error:
         # the disk is full, or a database is locked or damaged
-        return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out)}", 1)
+        return _ended(made, f"{_cause(error, arguments.out)}; {_saved(arguments.out, before)}", 1)
     except KeyboardInterrupt:
-        # 128 + SIGINT, as shells report Ctrl-C
-        return _ended(made, f"interrupted; {_saved(arguments.out)}", 130)
+        return _ended(made, f"interrupted; {_saved(arguments.out, before)}", CTRL_C)
 
 
 def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
@@ -266,10 +270,21 @@ def _cause(error: Exception, out: Path) -> str:
     return f"{out / CASES}: {error}"
 
 
-def _saved(out: Path) -> str:
-    """Name the output files that exist after a run that ended early."""
-    names = [name for name in (CASES, SAMPLES, "summary.json") if (out / name).is_file()]
-    return f"{' and '.join(names)} in {out} is as written last" if names else f"nothing is in {out}"
+def _files(out: Path) -> dict[str, int]:
+    """Return the times at which the files of a folder were written (ns), by their names."""
+    return {own.name: own.stat().st_mtime_ns for own in out.iterdir() if own.is_file()}
+
+
+def _saved(out: Path, before: dict[str, int]) -> str:
+    """Name the output files that exist after a run that ended early: those that it wrote, and recorder
+    file, samples and summary of an earlier one; ``before`` are the files at its beginning."""
+    there = _files(out)
+    kept = {CASES, SAMPLES, "summary.json"} & there.keys()
+    names = sorted(kept | {name for name, time in there.items() if before.get(name) != time})
+    if not names:
+        return f"nothing is in {out}"
+    listed = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+    return f"{listed} in {out} {'is' if len(names) == 1 else 'are'} as written last"
 
 
 def _given(made: argparse.ArgumentParser, argv) -> set[str]:

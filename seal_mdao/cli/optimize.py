@@ -7,6 +7,7 @@ from seal_mdao import plotting
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
+    CTRL_C,
     WrongArgumentError,
     checked_arguments,
     largest_penalty_error,
@@ -23,6 +24,7 @@ from seal_mdao.cli.running_optimization import (
     run_optimization,
 )
 from seal_mdao.cli.seal_files import file_errors, file_of, filled, seal_of
+from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
@@ -94,6 +96,9 @@ def main(arguments) -> int:
     print_warnings(results[0], " (first design)")
     print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
+    # after Ctrl-C the best design so far has been written
+    if numbers["message"].startswith(INTERRUPTED):
+        return CTRL_C
     return 0 if numbers["success"] else 1
 
 

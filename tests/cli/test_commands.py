@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 import warnings
@@ -16,7 +17,8 @@ from seal_file.coarse_bulb import BULB, COARSE, changed
 
 import seal_mdao as sm
 from seal_mdao.analysis.cost import duration
-from seal_mdao.cli import examples
+from seal_mdao.analysis_cache import AnalysisCache
+from seal_mdao.cli import arguments, examples
 from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError, parser, run
 from seal_mdao.cli.compare import KEYS, names_of, print_table
@@ -600,8 +602,43 @@ def test_ctrl_c_ends_with_130_and_leaves_what_was_done(bulb, tmp_path, monkeypat
     out = tmp_path / "out"
     code = main(["sweep", str(bulb), "--vary", "friction", "0.1:0.3:3", "--out", str(out)])
     assert code == 130
-    assert "interrupted" in capsys.readouterr().err
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.endswith(f"interrupted; curves.csv and sweep.csv in {out} are as written last")
     assert len((out / "sweep.csv").read_text().splitlines()) == 2
+
+
+def test_ctrl_c_in_an_optimisation_writes_the_best_design_and_ends_with_130(
+    bulb, tmp_path, monkeypatch, capsys
+):
+    """The fourth analysis is interrupted, once."""
+    pytest.importorskip("tomli_w")
+    analyses, real = [], AnalysisCache.analyze_particles
+
+    def analyze(*given, **more):
+        analyses.append(1)
+        if len(analyses) == 4:
+            raise KeyboardInterrupt
+        return real(*given, **more)
+
+    monkeypatch.setattr(AnalysisCache, "analyze_particles", analyze)
+    out = tmp_path / "out"
+    assert main(["optimize", str(bulb), "--out", str(out)]) == 130
+    assert len(analyses) > 4
+    assert "Stopped by the user (Ctrl-C)" in capsys.readouterr().out
+    assert {"cases.sql", "optimum.toml", "summary.json"} <= {own.name for own in out.iterdir()}
+
+
+def test_files_of_an_earlier_run_are_not_those_of_an_interrupted_one(tmp_path):
+    """But for recorder file, samples and summary, with which a second start continues."""
+    for name in ("notes.txt", "cases.sql", "curves.csv"):
+        (tmp_path / name).touch()
+    before = arguments._files(tmp_path)
+    assert arguments._saved(tmp_path, before) == f"cases.sql in {tmp_path} is as written last"
+    os.utime(tmp_path / "curves.csv", (0, 0))
+    (tmp_path / "nominal.sql").touch()
+    assert arguments._saved(tmp_path, before) == (
+        f"cases.sql, curves.csv and nominal.sql in {tmp_path} are as written last"
+    )
 
 
 def test_progress_is_printed_where_there_is_no_terminal(bulb, tmp_path, monkeypatch, capsys):
