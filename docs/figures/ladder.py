@@ -12,6 +12,9 @@ from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION
 
 STORED = ROOT / "docs" / "benchmarks" / "ladder.json"
 
+CLEAR = 0.003
+"""Relative difference from which on an estimate is compared with it."""
+
 
 def make(out: Path, reduced: bool) -> dict:
     """All tables and figures of the page."""
@@ -24,6 +27,7 @@ def make(out: Path, reduced: bool) -> dict:
     numbers["stability_table"] = _stability(stored["sealing_stability"])
     ends = [own["end_mm"] for own in stored["sealing_elements"]]
     numbers["elements_end"] = f"{min(ends):.2f} to {max(ends):.2f} mm"
+    numbers["effectivity"] = _effectivity(rungs)
     return numbers | {"summary": _summary(rungs), "times": _times(rungs)}
 
 
@@ -79,10 +83,25 @@ def _table(rung, own: dict) -> str:
     return table([*head, "estimated error"], rows)
 
 
+def _effectivity(rungs: dict) -> str:
+    """Smallest and largest ratio of estimated error and difference, of differences above ``CLEAR``."""
+    ratios = []
+    for own in rungs.values():
+        exact, _, _ = reference(own)
+        for row in own["particles"]:
+            for share, error in zip(
+                row.get("estimated_error", []), errors(row, exact), strict=False
+            ):
+                if share is not None and abs(error) > CLEAR:
+                    ratios.append(share / error)
+    return f"{min(ratios):.2f} to {max(ratios):.2f}" if ratios else NONE
+
+
 def _estimated(row: dict) -> str:
     """Estimated errors of the quantities where the analysis gave some."""
     found = row.get("estimated_error")
-    return ", ".join(_signed(share) for share in found) if found else NONE
+    known = [_signed(share) for share in found or [] if share is not None]
+    return ", ".join(known) if known else NONE
 
 
 def _summary(rungs: dict) -> str:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from benchmarks.ladder.estimates import estimated_errors
 from benchmarks.ladder.rungs import RUNGS, timed, values_of
 
 STORED = json.loads(
@@ -45,3 +46,11 @@ def test_coarse_cloud_has_the_stored_values(name):
 @pytest.mark.parametrize("name", [name for name, rung in RUNGS.items() if not rung.quick])
 def test_coarse_cloud_of_a_long_rung_has_the_stored_values(name):
     coarse_values_agree(name)
+
+
+def test_stored_estimate_of_the_error():
+    """That of the quickest rung: ``python -m tests.benchmarks.ladder.estimates``."""
+    own = STORED["as568_214"]["particles"][0]
+    ten, twenty = estimated_errors(RUNGS["as568_214"], own["spacing"])
+    assert ten is own["estimated_error"][0] is None
+    assert twenty == pytest.approx(own["estimated_error"][1], abs=0.5 * SHOWN)

@@ -10,6 +10,7 @@ import numpy as np
 
 from seal_mdao.export.csv_tables import reaction_tables
 from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.profiles import leading_motion
 from seal_mdao.seals.result import SealResult, analyze
@@ -94,14 +95,18 @@ class Rung:
         """Digest of the seal file."""
         return sha256(self.file.read_bytes()).hexdigest()[:16]
 
-    def seal(self, spacing: float):
-        """Build the seal with another spacing; distances along single edges change in proportion."""
+    def described(self, spacing: float) -> SealFile:
+        """Read the file with another spacing; distances along single edges change in proportion."""
         file = read_seal_file(self.file)
         own = file.section
         scale = spacing / own.spacing
         edges = {edge: scale * size for edge, size in (own.edge_spacing or {}).items()}
         section = replace(own, spacing=spacing, edge_spacing=edges)
-        return build_seal(replace(file, section=section))
+        return replace(file, section=section)
+
+    def seal(self, spacing: float):
+        """Build the seal with another spacing."""
+        return build_seal(self.described(spacing))
 
 
 def path_table(result: SealResult) -> np.ndarray:
