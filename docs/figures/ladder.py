@@ -13,7 +13,7 @@ from seal_mdao.plotting.style import BLUE, CYCLE, GREY, VERMILION
 STORED = ROOT / "docs" / "benchmarks" / "ladder.json"
 
 CLEAR = 0.003
-"""Relative difference from which on an estimate is compared with it."""
+"""Least relative difference that an estimate is compared with."""
 
 
 def make(out: Path, reduced: bool) -> dict:
