@@ -94,13 +94,13 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
 
 
 def conditions_text(conditions: Mapping[str, float]) -> str:
-    """Describe the ``conditions_of`` a body, such as ``axial stretch 1.05, 60 degC``; may be empty."""
+    """Describe the ``conditions_of`` a body, such as ``axial stretch 1.05, 60 °C``; may be empty."""
     return ", ".join(_described(*own) for own in conditions.items())
 
 
 def _described(name: str, value: float) -> str:
     if name == DEGREES:
-        return f"{value:.6g} degC"
+        return f"{value:.6g} °C"
     if name == SECONDS:
         return f"after {duration(value)}"
     return f"{name.replace('_', ' ')} {value:.6g}"

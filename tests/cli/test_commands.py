@@ -301,10 +301,8 @@ def test_analyses_and_captions_say_at_which_temperature_they_are(
     assert main(["analyze", str(bulb), "--no-vtu", "--out", str(out)]) == 0
     conditions = json.loads((out / "summary.json").read_text())["conditions"]
     assert conditions == {"temperature_degC": 60.0, "swelling": 1.02}
-    assert (
-        "\nconditions at the end of the path: 60 degC, swelling 1.02\n" in capsys.readouterr().out
-    )
-    named = "bulb: rubber (Mooney-Rivlin), 60 degC, swelling 1.02"
+    assert "\nconditions at the end of the path: 60 °C, swelling 1.02\n" in capsys.readouterr().out
+    named = "bulb: rubber (Mooney-Rivlin), 60 °C, swelling 1.02"
     assert set(drawn) == {f"{named} | 2023-11-14"}
     drawn.clear()
     assert main(["sweep", str(bulb), "--vary", "temperature", "60:80:2", "--out", str(out)]) == 0

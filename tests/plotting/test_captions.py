@@ -53,7 +53,7 @@ def test_environment_and_varied_parameters_are_named():
     given = {"axial_stretch": 1.05, "temperature_degC": -20.0, "foot_swelling": 1.1}
     with captioned():
         name_seal("bulb", Described({"foot": MooneyRivlin()}, given))
-        named = "bulb: foot (Mooney-Rivlin), axial stretch 1.05, -20 degC, foot swelling 1.1"
+        named = "bulb: foot (Mooney-Rivlin), axial stretch 1.05, -20 °C, foot swelling 1.1"
         name_varied([])
         assert caption() == f"{named} | 2023-11-14"
         name_varied(["temperature", "c10"])
