@@ -98,6 +98,8 @@ function drawShapes(now) {
   const frame = { points, profiles: scene.profiles, poses: scene.profiles.map((profile, i) => placed(profile, now.poses[i])) };
   if (now.exactly) Object.assign(frame, { touching: exact.frame.touchingAt, marks: exact.frame.marks });
   drawScales();
+  // one colour for each piece of the grid while it is a preview
+  views.pressed.subdivide = now.exactly ? 2 : 1;
   views.pressed.draw(frame, null, `${now.exactly ? "Exact analysis" : "First-order preview"}: deformed section with von Mises stress at ${exact.frame.caption}`);
 }
 
@@ -154,14 +156,16 @@ function chart(id, spec) {
   const own = charts[id];
   if (!spec.series.length) { place(id).parentElement.hidden = true; return; }
   place(id).parentElement.hidden = false;
-  const names = spec.series.map((s) => `${s.name}${s.color}${s.dash}`).join();
+  const names = spec.series.map((s) => `${s.name}${s.color}`).join();
   if (own && own.names === names) {
     own.chart.spec = spec;
     own.chart.draw();
     return;
   }
-  place(id).replaceChildren();
-  charts[id] = { names, chart: new LineChart(place(id), spec) };
+  // an element of its own, with which the observer of its size goes
+  const inside = document.createElement("div");
+  place(id).replaceChildren(inside);
+  charts[id] = { names, chart: new LineChart(inside, spec) };
 }
 
 // ---- numbers ----
