@@ -84,6 +84,9 @@ class Jobs:
         paths = save_design(self._bench, design, folder, name)
         self._send("saved", [path.name for path in paths])
 
+    def _errors(self) -> None:
+        self._send("errors", self._bench.errors())
+
     def _problem(self, design: list, problem: dict, path: str) -> None:
         write_problem(self._bench, design, problem, Path(path))
         self._send("made", Path(path).name)

@@ -77,11 +77,13 @@ class Studio:
         self._server.add_sockets([socket])
         self.address = f"http://{ADDRESS}:{self.port}/{self.token}/"
 
-    def broadcast(self, kind: str, content, but=None) -> None:
-        """Send a message to all pages, but one."""
+    def broadcast(self, kind: str, content) -> None:
+        """Send a message to all pages."""
         text = json.dumps({"kind": kind, "content": content}, allow_nan=False)
         for page in self.pages:
-            if page is not but:
+            if kind == "design":
+                page.send_design()
+            else:
                 page.send(kind, text)
 
     def end(self) -> None:
@@ -181,6 +183,8 @@ class Live(Guarded, WebSocketHandler):
         self._queue: dict[str, str] = {}
         self._filled, self._second, self._count = asyncio.Event(), 0, 0
         self._late: str | None = None
+        # number of the last change of this page that was followed
+        self._change = 0
         if len(self.studio.pages) >= MOST_PAGES:
             self.close(1013, f"{MOST_PAGES} pages are open")
             return
@@ -197,11 +201,18 @@ class Live(Guarded, WebSocketHandler):
         """Send all that there is to a new page."""
         session = self.studio.session
         known = {"status": session.status(), "scene": session.scene, "kept": session.kept}
-        if session.scene is not None:
-            known["design"] = {"design": session.design}
+        known["errors"] = session.errors
         for kind, content in (known | session.last).items():
             if content is not None:
                 self.send(kind, json.dumps({"kind": kind, "content": content}))
+        if session.scene is not None:
+            self.send_design()
+
+    def send_design(self) -> None:
+        """Send the design with the number of the last change of this page that it follows: the page
+        ignores one that is older than what it shows."""
+        content = {"design": self.studio.session.design, "change": self._change}
+        self.send("design", json.dumps({"kind": "design", "content": content}))
 
     def send(self, kind: str, text: str) -> None:
         """Queue a message; it replaces one of the same kind that was not sent yet."""
@@ -243,7 +254,12 @@ class Live(Guarded, WebSocketHandler):
 
     def _follow(self, text) -> None:
         try:
-            self.studio.session.handle(json.loads(text), self)
+            message = json.loads(text)
+            if isinstance(message, dict) and isinstance(message.get("change"), int):
+                self._change = message["change"]
+            self.studio.session.handle(message)
+            if self.studio.session.scene is not None:
+                self.send_design()
         except (RequestError, ProjectError) as error:
             self.send("refused", json.dumps({"kind": "refused", "content": str(error)}))
         except ValueError:

@@ -39,7 +39,7 @@ class Session:
     ----------
     project : Project
     broadcast : callable
-        ``broadcast(kind, content, but=None)`` sends a message to all pages, but one.
+        ``broadcast(kind, content)`` sends a message to all pages.
     """
 
     def __init__(self, project: Project, broadcast: Callable):
@@ -63,6 +63,7 @@ class Session:
         self._again = self._look = False
         self._fallen = 0
         self.kept: list[dict] = []
+        self.errors: dict | None = None
 
     # ---- what pages ask for ----
 
@@ -85,7 +86,7 @@ class Session:
             "undo": self._at > 0, "redo": self._at + 1 < len(self._history), "step": self.step,
         }  # fmt: skip
 
-    def handle(self, message, page=None) -> None:
+    def handle(self, message) -> None:
         """Follow a message of a page.
 
         Raises
@@ -101,12 +102,13 @@ class Session:
             "view": self._view, "improve": self._improve, "stop": self._stop, "keep": self._keep,
             "drop": self._drop, "take": self._take, "save": self._save, "open": self._open,
             "problem": self._problem, "share": self._share,
+            "errors": self._errors,
         }  # fmt: skip
         if not isinstance(does, str) or does not in known:
             raise RequestError(f"there is no message {str(does)[:40]!r}")
         if does != "open" and self.scene is None:
             raise RequestError("no seal file is open yet")
-        known[does](message, page)
+        known[does](message)
 
     def _numbers(self, message) -> list[float]:
         """Return the design of a message within the ranges of its numbers."""
@@ -120,18 +122,18 @@ class Session:
             for own, value in zip(numbers, given, strict=True)
         ]
 
-    def _drag(self, message, page) -> None:
-        self._set(self._numbers(message), page)
+    def _drag(self, message) -> None:
+        self._set(self._numbers(message))
 
-    def _set(self, design: list[float], page=None) -> None:
+    def _set(self, design: list[float]) -> None:
         if design == self.design:
             return
         self.design = design
-        self._broadcast("design", {"design": design}, but=page)
+        self._broadcast("design", {"design": design})
         self._want()
 
-    def _commit(self, message, page) -> None:
-        self._drag(message, page)
+    def _commit(self, message) -> None:
+        self._drag(message)
         self._remember()
 
     def _remember(self) -> None:
@@ -142,19 +144,19 @@ class Session:
         self._at = len(self._history) - 1
         self._broadcast("status", self.status())
 
-    def _undo(self, message, page) -> None:
+    def _undo(self, message) -> None:
         # an unfinished drag is taken back first
         if self.design == self._history[self._at]:
             self._at = max(self._at - 1, 0)
         self._set(self._history[self._at])
         self._broadcast("status", self.status())
 
-    def _redo(self, message, page) -> None:
+    def _redo(self, message) -> None:
         self._at = min(self._at + 1, len(self._history) - 1)
         self._set(self._history[self._at])
         self._broadcast("status", self.status())
 
-    def _view(self, message, page) -> None:
+    def _view(self, message) -> None:
         step = message.get("step")
         if not isinstance(step, int) or isinstance(step, bool) or not 0 <= step < 10**6:
             raise RequestError("step is the number of a load step")
@@ -163,7 +165,7 @@ class Session:
         self._look = True
         self._next()
 
-    def _improve(self, message, page) -> None:
+    def _improve(self, message) -> None:
         if self.scene["minimize"] is None or not self.scene["handles"]:
             raise RequestError(
                 "nothing is optimised yet: say what may move and what is minimised under 'Problem'"
@@ -171,12 +173,12 @@ class Session:
         self._remember()
         self._wait("improve", design=self.design)
 
-    def _stop(self, message, page) -> None:
+    def _stop(self, message) -> None:
         self._waiting.clear()
         if self.job in ("improve", "analyze"):
             self.worker.stop()
 
-    def _keep(self, message, page) -> None:
+    def _keep(self, message) -> None:
         exact = self.last.get("exact")
         if exact is None or exact["design"] != self.design:
             raise RequestError("wait for the exact analysis of this design, then keep it")
@@ -195,15 +197,15 @@ class Session:
             raise RequestError("there is no kept design of that name")
         return found[0]
 
-    def _drop(self, message, page) -> None:
+    def _drop(self, message) -> None:
         self.kept.remove(self._one_kept(message))
         self._broadcast("kept", self.kept)
 
-    def _take(self, message, page) -> None:
+    def _take(self, message) -> None:
         self._set(self._one_kept(message)["design"])
         self._remember()
 
-    def _save(self, message, page) -> None:
+    def _save(self, message) -> None:
         stem = message.get("name") or f"{self.file.removesuffix('.toml')}_design"
         kinds = (".toml", ".dxf", ".vtu")
         for kind in kinds:
@@ -212,16 +214,16 @@ class Session:
         self._remember()
         self._wait("save", design=self.design, folder=str(self.project.folder), name=name)
 
-    def _share(self, message, page) -> None:
+    def _share(self, message) -> None:
         exact = self.last.get("exact")
         if exact is None or exact["design"] != self.design:
             raise RequestError("wait for the exact analysis of this design, then share it")
         name = f"{self.project.new(self.file.removesuffix('.toml') + '_shared', ('.html',))}.html"
-        text = shared_page(self.file, self.scene, exact, self.kept)
+        text = shared_page(self.file, self.scene, exact, self.kept, self.errors)
         self.project.path(name).write_text(text, encoding="utf-8")
         self._broadcast("saved", [name])
 
-    def _problem(self, message, page) -> None:
+    def _problem(self, message) -> None:
         known = set(self.scene["offered"]["edges"])
         found = {key: message.get(key) for key in ("fixed", "pressed", "moving")}
         for key, names in found.items():
@@ -256,11 +258,18 @@ class Session:
         }  # fmt: skip
         self._wait("problem", design=self.design, problem=problem, path=str(path))
 
+    def _errors(self, message) -> None:
+        self._wait("errors")
+
+    def _on_errors(self, content: dict) -> None:
+        self.errors = content
+        self._broadcast("errors", content)
+
     def _on_made(self, name: str) -> None:
         self.job = None
         self.open(name)
 
-    def _open(self, message, page) -> None:
+    def _open(self, message) -> None:
         self.open(str(message.get("file")))
 
     # ---- the worker ----
@@ -351,6 +360,9 @@ class Session:
         self._broadcast(kind, content)
 
     def _on_iteration(self, content: dict) -> None:
+        if self._again:
+            # the design has been changed since: the run is being stopped
+            return
         self.design = content["design"]
         self._broadcast("design", {"design": self.design})
         self._store("exact", content)

@@ -8,14 +8,14 @@ from seal_mdao.studio.assets_of import asset
 SCRIPTS, STYLES = ("chart.js", "shape.js", "studio.js"), ("page.css", "studio.css")
 
 
-def shared_page(file: str, scene: dict, exact: dict, kept: list) -> str:
+def shared_page(file: str, scene: dict, exact: dict, kept: list, errors: dict | None) -> str:
     """Format the page; it needs no other file and no server.
 
     Parameters
     ----------
     file : str
         Name of the seal file.
-    scene, exact, kept
+    scene, exact, kept, errors
         As the pages of the server have them.
     """
     text = asset("studio.html")
@@ -25,7 +25,7 @@ def shared_page(file: str, scene: dict, exact: dict, kept: list) -> str:
         )
     for name in SCRIPTS:
         text = text.replace(f'<script src="{name}" defer></script>\n', "")
-    data = {"file": file, "scene": scene, "exact": exact, "kept": kept}
+    data = {"file": file, "scene": scene, "exact": exact, "kept": kept, "errors": errors}
     # names in a seal file are data: no tag of them ends the script
     data = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
     scripts = "\n".join(asset(name) for name in SCRIPTS)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.accuracy.error_estimate import estimate_errors
 from seal_mdao.errors import LoadPathError
 from seal_mdao.input_files import read_text
 from seal_mdao.plotting.field import FineGrid, fine_grid
@@ -36,15 +37,17 @@ class Progress:
         Called with one line.
     watch : callable
         Called at every load step; raises ``StoppedError`` to end the choice.
+    what : str
+        What is being done.
     """
 
-    def __init__(self, report: Callable, watch: Callable):
-        self._report, self._watch, self._head = report, watch, "analysis"
-        self._total = 0
+    def __init__(self, report: Callable, watch: Callable, what: str = "choosing load steps"):
+        self._report, self._watch, self._what = report, watch, what
+        self._head, self._total = what, 0
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Note analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""
-        self._head, self._total = f"choosing load steps: analysis {number} of {of}", n_steps
+        self._head, self._total = f"{self._what}: analysis {number} of {of}", n_steps
 
     def __call__(self, step) -> None:
         """Report a load step."""
@@ -79,7 +82,7 @@ class Workbench:
         unchosen = unchosen_seal(self.file)
         progress = Progress(report, watch)
         built = build_seal(self.file, progress, **(chosen or {}), unchosen=unchosen)
-        self.chosen = chosen_for(self.file, built)
+        self.chosen, self._plain, self._report = chosen_for(self.file, built), built, report
         self.seal = with_handles(built, self.file)
         self.seal.made_from(description(self.file, built) | {"handles": True})
         self.numbers = adjustables(self.file, self.tables, self.seal)
@@ -166,6 +169,14 @@ class Workbench:
             measures = self._measures(self.result)
             self.rates = path_rates(self.result, names, measures, self.watch)
         return pictures.rates(self.fine, self.rates, self._step(step))
+
+    def errors(self) -> dict:
+        """Estimate the errors of all measures at the section of the file: half-widths of error bars by
+        name, in their units; those that are not known are left out."""
+        result = analyze(self._plain, keep_factors=True, callback=lambda step: self.watch())
+        progress = Progress(self._report, self.watch, "estimating errors")
+        found = estimate_errors(self.file, result, progress)
+        return {name: pictures.plain(own.bar) for name, own in found.items() if own.bar is not None}
 
     def view(self, step: int) -> dict:
         """Return the last result after another load step."""

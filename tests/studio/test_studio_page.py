@@ -117,6 +117,30 @@ def test_improve_is_drawn_and_taken_back(page):
     page.wait(f"return studio.design[0] === {before[0]}")
 
 
+def test_error_bars_are_those_of_the_file(page):
+    page.click("errors")
+    page.wait("return Boolean(studio.errors)")
+    found = page.run("return studio.errors")
+    assert found["reaction"][0] > 0.0
+    text = page.wait(
+        "const text = document.getElementById('lights').innerText;return text.includes('±') && text"
+    )
+    assert "reaction" in text
+
+
+def test_a_change_is_not_lost_to_an_older_answer(page):
+    # the undo is on its way while the page changes the design again
+    page.number(0, 0.1)
+    page.ready()
+    page.run(
+        "send({do: 'undo'}); const design = [...studio.design]; design[0] = 0.2;"
+        "change(design, 'commit');"
+    )
+    page.wait("return studio.status.job === null")
+    page.ready()
+    assert page.design()[0] == 0.2
+
+
 def test_killed_worker_is_replaced(page):
     (worker,) = workers(page)
     os.kill(worker.pid, signal.SIGKILL)

@@ -13,7 +13,7 @@ function floats(text) {
 
 const state = {
   scene: null, design: null, exact: null, rates: null, kept: [], status: null, frame: null, socket: null,
-  dragging: false, sent: null, latencies: [], drawn: 0, counts: {},
+  dragging: false, change: 0, latencies: [], drawn: 0, counts: {},
 };
 window.studio = state;   // for tests
 
@@ -199,10 +199,10 @@ function drawFigures(now) {
   }));
 }
 
-// A value with its error where the analysis has one.
-function withError(name, value) {
-  const error = state.exact.errors && state.exact.errors[name];
-  return error ? `${readable(value, 4)} ± ${readable(error, 1)}` : readable(value, 4);
+// A value with the error that was estimated at the section of the file, where there is one.
+function withError(name, value, at = 0) {
+  const error = state.errors && state.errors[name];
+  return error ? `${readable(value, 4)} ± ${readable(error[at], 2)}` : readable(value, 4);
 }
 
 const bound = (own, i) => (Array.isArray(own) ? own[i] : own);
@@ -229,7 +229,7 @@ function drawLights(now) {
     const low = bound(lower, at), high = bound(upper, at);
     const range = [low !== null && low !== undefined ? `≥ ${readable(low)}` : "", high !== null && high !== undefined ? `≤ ${readable(high)}` : ""].filter(Boolean).join(", ");
     const note = `${range} ${worst > 1e-6 ? `violated by ${readable(100 * worst, 2)} %` : "satisfied"}`;
-    light(worst > 1e-6 ? "broken" : "held", spoken(measure), `${withError(measure, values[at])} ${unitOf(measure)}`, note);
+    light(worst > 1e-6 ? "broken" : "held", spoken(measure), `${withError(measure, values[at], at)} ${unitOf(measure)}`, note);
   }
   place("lights").replaceChildren(...rows);
 }
@@ -273,6 +273,7 @@ function showState(exactly) {
   if (!state.rates && !exactly) text = "analysing …";
   if (exactly && exact) [kind, text] = ["exact", "exact analysis"];
   if (exactly && exact && !exact.converged) [kind, text] = ["failed", "path not completed"];
+  if (status && status.job === "errors") text = status.progress || "estimating errors";
   if (status && status.job === "improve") text = `improving, analysis ${exact && exact.number ? exact.number : 0}`;
   if (!exactly && status && status.failure) [kind, text] = ["failed", "not analysed"];
   if (state.shared) [kind, text] = ["exact", "exact analysis"];
@@ -464,8 +465,9 @@ function change(design, kind, since = null) {
   if (!state.scene) return;
   state.design = design;
   schedule(since);
-  if (kind === "commit") { queued = null; send({ do: "commit", design }); return; }
-  if (queued === null) requestAnimationFrame(() => { if (queued) send({ do: "drag", design: queued }); queued = null; });
+  state.change += 1;
+  if (kind === "commit") { queued = null; send({ do: "commit", design, change: state.change }); return; }
+  if (queued === null) requestAnimationFrame(() => { if (queued) send({ do: "drag", design: queued, change: state.change }); queued = null; });
   queued = design;
 }
 
@@ -488,9 +490,13 @@ const receive = {
     if (!status.ready && status.file) { place("state").className = "state"; place("state-text").textContent = status.failure ? "not opened" : status.progress || "opening"; }
     if (state.exact && state.design) showState(isExact());
   },
-  progress({ text }) { if (!state.scene) place("state-text").textContent = text; },
+  progress({ text }) {
+    if (state.status) state.status.progress = text;
+    if (state.exact && state.design) showState(isExact());
+    if (!state.scene) place("state-text").textContent = text;
+  },
   scene(scene) {
-    Object.assign(state, { scene, exact: null, rates: null, design: null });
+    Object.assign(state, { scene, exact: null, rates: null, design: null, errors: null });
     scene.undeformedAt = floats(scene.undeformed);
     scene.velocityAt = floats(scene.velocity);
     for (const [, own] of handleNodes) own.group.remove();
@@ -511,8 +517,9 @@ const receive = {
     place("step").value = scene.steps - 1;
     makeSliders();
   },
-  design({ design }) {
-    if (state.dragging || !state.scene) return;
+  design({ design, change: followed }) {
+    // one that does not follow the last change of this page is older than what is shown
+    if (state.dragging || !state.scene || followed < state.change) return;
     state.design = design;
     schedule();
   },
@@ -545,6 +552,11 @@ const receive = {
   kept(kept) {
     state.kept = kept;
     showKept();
+    schedule();
+  },
+  errors(errors) {
+    state.errors = errors;
+    place("made-text").textContent = "errors (±) are those of the section of the file";
     schedule();
   },
   notes(notes) { place("caption").textContent = notes.join(" "); },
@@ -651,7 +663,7 @@ function connect() {
     const { kind, content } = JSON.parse(event.data);
     receive[kind](content);
   });
-  socket.addEventListener("open", () => { state.closed = false; });
+  socket.addEventListener("open", () => { state.closed = false; state.change = 0; });
   socket.addEventListener("close", (event) => {
     state.closed = true;
     showState(false);
@@ -668,7 +680,7 @@ place("problem").addEventListener("click", () => {
   if (!box.hidden) { showProblem(); box.scrollIntoView({ block: "nearest" }); }
 });
 place("drawing").addEventListener("change", (event) => { if (event.target.files.length) drop(event.target.files[0]); });
-for (const name of ["undo", "redo", "improve", "stop", "keep", "save", "share"]) place(name).addEventListener("click", () => send({ do: name }));
+for (const name of ["undo", "redo", "improve", "stop", "keep", "save", "share", "errors"]) place(name).addEventListener("click", () => send({ do: name }));
 place("files").addEventListener("change", (event) => { if (event.target.value) send({ do: "open", file: event.target.value }); });
 place("step").addEventListener("input", (event) => send({ do: "view", step: Number(event.target.value) }));
 document.addEventListener("keydown", (event) => {
@@ -692,6 +704,7 @@ if (place("shared")) {
   receive.scene(shared.scene);
   receive.kept(shared.kept);
   receive.exact(shared.exact);
+  if (shared.errors) receive.errors(shared.errors);
   showKept();
   document.querySelectorAll("[data-live]").forEach((part) => { part.hidden = true; });
 } else connect();
