@@ -213,7 +213,7 @@ def title(history: RecordedOptimization) -> str:
     # settings of seal_problem or of a seal file are in the file
     if history.settings and history.kind == "optimisation":
         return "Shape of a seal"
-    return f"{KINDS[history.kind]} {history.objective_name}"
+    return f"{KINDS[history.kind]} {label(history.objective_name)}"
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:

@@ -200,14 +200,14 @@ def test_doe_is_no_optimisation(tmp_path):
     history = read_optimization(path)
     assert (history.kind, len(history.objective), history.failed) == ("doe", 2, 1)
     text, _ = shapes(path)
-    assert "<h1>Design of experiments with price.cost</h1>" in text
+    assert "<h1>Design of experiments with cost</h1>" in text
     assert "2 points with values, 1 failed." in text
     assert "of its start" not in text.partition("<section")[0]
 
 
 def test_run_of_a_model_is_no_optimisation(tmp_path):
     path, _ = ran(upstream, tmp_path, driver=Driver())
-    assert "<h1>Runs of a model with price.cost</h1>" in shapes(path)[0]
+    assert "<h1>Runs of a model with cost</h1>" in shapes(path)[0]
 
 
 def test_file_without_an_objective_is_refused_in_a_line(tmp_path):
@@ -232,7 +232,7 @@ def test_subclass_of_the_group(tmp_path):
     (seal,) = history.seals
     offsets, _ = seal.design(len(history.objective) - 1)
     np.testing.assert_array_equal(offsets, problem.get_val("mine.boundary_offsets", units="mm"))
-    assert title(history) == "Optimisation of mine.cost.cost"
+    assert title(history) == "Optimisation of cost"
     assert not further_warnings(shapes(path)[0])
 
 
