@@ -47,8 +47,8 @@ class Project:
         path = self.folder / name
         if path.suffix.lower() not in KINDS:
             raise ProjectError(f"{name}: files end with {', '.join(KINDS)}")
-        # a symbolic link could lead out of the folder
-        if path.resolve().parent != self.folder or path.is_symlink():
+        # of plain names only a symbolic link could lead out of the folder
+        if path.is_symlink():
             raise ProjectError(f"{name} is not in the project folder")
         return path
 

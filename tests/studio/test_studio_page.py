@@ -139,6 +139,9 @@ def test_a_change_is_not_lost_to_an_older_answer(page):
     page.wait("return studio.status.job === null")
     page.ready()
     assert page.design()[0] == 0.2
+    # the answer to the undo, if it comes after the change
+    page.run("receive.design({design: arguments[0], change: studio.change - 1})", [0.0] * 12)
+    assert page.design()[0] == 0.2
 
 
 def test_killed_worker_is_replaced(page):
