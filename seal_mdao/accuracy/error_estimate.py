@@ -157,6 +157,8 @@ class _Paths:
         try:
             finer, self.kept, parents = refined_file(file, seal)
             fine_seal = _like(unchosen_seal(finer), seal)
+            # there are no other designs for which equations would be numbered
+            fine_seal = replace(fine_seal, body=replace(fine_seal.body, nominal=None))
             fine = discretize(fine_seal.body, fine_seal.nominal_particles, fine_seal.terms())
         except (GeometryError, ValueError) as error:
             self.failure = f"the section cannot be filled with smaller cells: {error}"

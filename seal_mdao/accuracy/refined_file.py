@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.seals.file.build import section_boundaries
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.quadrilaterals import halved
@@ -61,7 +60,7 @@ def refined_file(file: SealFile, seal: OutlineSeal) -> RefinedFile:
             "a stored cloud whose pressure is continuous through columns of cells cannot be refined"
         )
     # new particles at the boundary are on the curve, at half of the arc length between two old ones
-    boundaries = doubled(section.outline, section_boundaries(section)[0])
+    boundaries = doubled(section.outline, seal.boundaries)
     loops = [boundary.points for boundary in boundaries]
     # boundary particles first, loop after loop, then the others
     rim = np.concatenate(seal.loops)

@@ -47,7 +47,9 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
     near = tree.query_ball_point(
         particles[near_boundary], MARGIN * radius[near_boundary], return_sorted=True
     )
-    found = []
+    # smallest distance to which cells at a particle are joined; a particle of no cell is not hidden
+    unjoined = np.where([bool(len(own)) for own in around], np.inf, 0.0)
+    least, found = unjoined.copy(), []
     for particle, candidates in zip(near_boundary.tolist(), near, strict=True):
         nearby = np.unique(np.concatenate([around[other] for other in candidates]))
         own = around[particle]
@@ -57,13 +59,15 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
         ends = cells[nearby], np.roll(cells[nearby], -1, axis=1)
         reach = side_distances(particles[particle], *(particles[end] for end in ends))
         joined = _joined_within(sides, own, dict(zip(nearby.tolist(), reach.tolist(), strict=True)))
-        for other in candidates:
-            # hidden: joined only beyond the support radius and the straight distance
-            least = min((joined.get(cell, np.inf) for cell in around[other]), default=0.0)
-            apart = np.hypot(*(particles[other] - particles[particle]))
-            if least > max(apart, radius[particle]):
-                found.append((particle, other))
-    return np.array(found, int).reshape(-1, 2)
+        corners = cells[list(joined)]
+        np.minimum.at(least, corners, np.array(list(joined.values()))[:, None])
+        # hidden: joined only beyond the support radius and the straight distance
+        others = np.array(candidates)
+        apart = np.hypot(*(particles[others] - particles[particle]).T)
+        hidden = others[least[others] > np.maximum(apart, radius[particle])]
+        found.append(np.column_stack([np.full_like(hidden, particle), hidden]))
+        least[corners] = unjoined[corners]
+    return np.concatenate(found) if found else np.empty((0, 2), int)
 
 
 def _sides(cells: np.ndarray) -> np.ndarray:

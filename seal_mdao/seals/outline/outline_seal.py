@@ -89,6 +89,8 @@ class OutlineSeal(Seal):
         Lines that divide the nominal section between materials, their corners (k, 2), mm.
     design_sizes : tuple of int
         Number of parameters of every design.
+    boundaries : tuple of Boundary
+        Points of the nominal boundary, those of ``loops``.
     """
 
     clear_designs = True
@@ -98,6 +100,7 @@ class OutlineSeal(Seal):
     kernels: Kernels = field(default_factory=Kernels)
     cuts: tuple = ()
     design_sizes: tuple = ()
+    boundaries: tuple = ()
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -210,7 +213,7 @@ def outline_seal(
         section = section._replace(contacts=bound)
     return OutlineSeal(
         filled.particles, velocity, body, tuple(terms), n_steps, loops=filled.loops, spacing=spacing,
-        kernels=kernels, cuts=cuts, design_sizes=sizes,
+        kernels=kernels, cuts=cuts, design_sizes=sizes, boundaries=tuple(boundaries),
         imposed_displacements=ImposedMotions(tuple(moved)) if moved else None,
     )  # fmt: skip
 
