@@ -48,6 +48,7 @@ GROUPS = {
     "theory": "figures.theory",
     "tolerance_study": "figures.tolerance_study",
     "ladder": "figures.ladder",
+    "error_estimates": "figures.error_estimates",
     "performance": "figures.performance",
 }
 """Module of every group, the slowest first; its ``make(out, reduced)`` returns the numbers."""

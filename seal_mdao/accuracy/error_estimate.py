@@ -116,7 +116,7 @@ def estimate_errors(
     result.require_converged()
     if np.any(result.boundary_offsets):
         raise ValueError("errors are estimated of the section that the file has, not of a design")
-    paths = _Paths(file, result, callback)
+    paths = ComparedPaths(file, result, callback)
     found = {}
     for measure in standard_measures(result):
         value = result.value(measure)
@@ -132,7 +132,7 @@ def estimate_errors(
     return found
 
 
-class _Paths:
+class ComparedPaths:
     """The paths in few load steps that are compared with each other and with that of a result.
 
     Parameters are those of ``estimate_errors``.
@@ -156,7 +156,7 @@ class _Paths:
         seal, fewest = result.seal, min(FEW, result.seal.n_steps // 2)
         try:
             finer, self.kept, parents = refined_file(file, seal)
-            fine_seal = _like(unchosen_seal(finer), seal)
+            fine_seal = alike(unchosen_seal(finer), seal)
             # there are no other designs for which equations would be numbered
             fine_seal = replace(fine_seal, body=replace(fine_seal.body, nominal=None))
             fine = discretize(fine_seal.body, fine_seal.nominal_particles, fine_seal.terms())
@@ -179,20 +179,20 @@ class _Paths:
         # iterations begin at the path of the result, then at that in few load steps
         path = self.result.path
         steps = {k: path.nominal_steps[int(end) - 1] for k, end in enumerate(ends, 1)}
-        coarse = self._near(seal, Prolongation(path, steps, path.discretization))
+        coarse = self.near(seal, Prolongation(path, steps, path.discretization))
         if not coarse.converged:
             self.failure = f"in {seal.n_steps} load steps {coarse.failure}"
             return False
         self.coarse = coarse
         steps = dict(enumerate(coarse.path.nominal_steps, 1))
-        found = self._near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
+        found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
         if not found.converged:
             self.failure = f"with half of the spacing {found.failure}"
             return False
         self.fine, self.failure = found, ""
         return True
 
-    def _near(self, seal: Seal, near: Prolongation) -> SealResult:
+    def near(self, seal: Seal, near: Prolongation) -> SealResult:
         """Analyse a seal whose iterations begin at another path; its own path may end early."""
         self.number += 1
         report = getattr(self.callback, "begin_analysis", None)
@@ -224,14 +224,14 @@ def some_ends(seal: Seal, count: int) -> np.ndarray:
     return ends[ends > 0].astype(float)
 
 
-def _like(fine: Seal, seal: Seal) -> Seal:
+def alike(fine: Seal, seal: Seal) -> Seal:
     """Give a seal of the same file the parameters of another, the chosen penalties included."""
     known = fine.scalars
     same = {name: own.value for name, own in seal.scalars.items() if name in known}
     return fine.with_parameters(same)
 
 
-def _by_particles(measure: Measure, paths: _Paths) -> np.ndarray | str:
+def _by_particles(measure: Measure, paths: ComparedPaths) -> np.ndarray | str:
     """Compute 4/3 (m_h - m_(h/2)), or the reason why it is not known."""
     if paths.fine is None:
         return paths.failure
@@ -251,7 +251,7 @@ def _by_particles(measure: Measure, paths: _Paths) -> np.ndarray | str:
     return error
 
 
-def _by_steps(measure: Measure, value, paths: _Paths) -> np.ndarray | str:
+def _by_steps(measure: Measure, value, paths: ComparedPaths) -> np.ndarray | str:
     """Compute m_N - m from a path in n of N load steps, or the reason why it is not known."""
     if paths.coarse is None:
         return paths.failure

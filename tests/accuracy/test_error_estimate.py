@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -171,3 +172,15 @@ def test_figure(estimated):
     at = labels.index("reaction")
     own = estimates["reaction"]
     assert axes.patches[at].get_width() == pytest.approx(100 * own.particles[0] / own.scale)
+
+
+def test_stored_figures_of_the_page():
+    """The page shows what is estimated today, to the three digits that are stored."""
+    root = Path(__file__).parents[2]
+    stored = json.loads((root / "docs" / "benchmarks" / "error_estimates.json").read_text())
+    file, result = analyzed(root / "examples" / "paper_seal.toml")
+    estimates = estimate_errors(file, result)
+    for name, own in stored["paper_seal"]["errors"].items():
+        found = estimates[name].particles / estimates[name].scale
+        # iterations end at a residual of 1e-5 of the forces
+        np.testing.assert_allclose(found, own["estimated"], rtol=6e-3, atol=2e-4)

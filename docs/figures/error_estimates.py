@@ -1,0 +1,62 @@
+"""Estimated errors by particles against actual ones, from ``tests.benchmarks.error_estimates``."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from figures.drawing import ROOT, picture
+from figures.tables import table
+from seal_mdao.plotting.style import CYCLE
+
+STORED = ROOT / "docs" / "benchmarks" / "error_estimates.json"
+SMALLEST = 1e-4
+"""Relative error below which neither a table nor a figure needs it."""
+
+
+def make(out: Path, reduced: bool) -> dict:
+    """Figure and table of the page."""
+    stored = json.loads(STORED.read_text(encoding="utf-8"))
+    rows = list(_rows(stored))
+    _picture(out / "error_estimates.png", rows)
+    ratios = np.array([estimated / actual for _, _, estimated, actual in rows])
+    larger = np.array([abs(actual) > 0.005 for *_, actual in rows])
+    within = (ratios >= 0.5) & (ratios <= 2.0)
+    times = [own["estimate_s"] / own["analysis_s"] for own in stored.values()]
+    return {
+        "table": table(
+            ["example", "measure", "estimated error", "actual error", "ratio"],
+            [
+                [name, measure, f"{100 * estimated:+.2g} %", f"{100 * actual:+.2g} %",
+                 f"{estimated / actual:.2f}"]
+                for name, measure, estimated, actual in rows
+            ],
+        ),
+        "count": f"{within.sum()} of {len(rows)}",
+        "count_larger": f"{(within & larger).sum()} of {larger.sum()}",
+        "times": f"{min(times):.1f} to {max(times):.1f}",
+    }  # fmt: skip
+
+
+def _rows(stored: dict):
+    """Every value with its estimated and actual error, larger ones than ``SMALLEST``."""
+    for name, own in stored.items():
+        for measure, errors in own["errors"].items():
+            pairs = list(zip(errors["estimated"], errors["actual"], strict=True))
+            for number, (estimated, actual) in enumerate(pairs):
+                if abs(actual) > SMALLEST:
+                    label = measure if len(pairs) == 1 else f"{measure}[{number}]"
+                    yield name, label, estimated, actual
+
+
+def _picture(path: Path, rows) -> None:
+    with picture(path, width=5.4, height=5.0) as axes:
+        names = list(dict.fromkeys(row[0] for row in rows))
+        for colour, name in zip(CYCLE * 3, names, strict=False):
+            own = np.array([[abs(row[3]), abs(row[2])] for row in rows if row[0] == name])
+            axes.loglog(*(100.0 * own.T), "o", color=colour, label=name, markersize=5)
+        ends = np.array([100.0 * SMALLEST, 200.0])
+        axes.plot(ends, ends, color="black", linewidth=0.8)
+        axes.fill_between(ends, 0.5 * ends, 2.0 * ends, color="0.9", zorder=0)
+        axes.set(xlabel="actual error (%)", ylabel="estimated error (%)", xlim=ends, ylim=ends)
+        axes.legend(fontsize=7)

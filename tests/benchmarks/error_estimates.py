@@ -1,0 +1,105 @@
+"""Compare estimated errors by particles with actual ones: ``python -m benchmarks.error_estimates``.
+
+The actual error is that against the value extrapolated from clouds with cells of a half and a quarter of
+the size, in the same load steps. Writes ``error_estimates.json``; takes about ten minutes.
+"""
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+import seal_mdao as sm
+from seal_mdao.accuracy.error_estimate import (
+    ORDER,
+    ComparedPaths,
+    alike,
+    estimate_errors,
+    some_ends,
+)
+from seal_mdao.accuracy.prolongation import Prolongation
+from seal_mdao.accuracy.refined_file import refined_file
+from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.seals.file.build import build_seal, unchosen_seal
+from seal_mdao.seals.file.chosen import chosen_ends
+from seal_mdao.seals.penalty_error import scale_of, standard_measures
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+NAMES = (
+    "paper_seal", "lip", "shaft_lip", "sealed_bulb", "vented_bulb", "stretched_strip", "slammed_strip",
+    "weatherstrip", "o_ring",
+)  # fmt: skip
+"""Examples without creases, whose errors have a limit."""
+
+
+def compared(name: str) -> dict:
+    """Estimated and actual errors of the measures of an example, over their reference values."""
+    file = sm.read_seal_file(EXAMPLES / f"{name}.toml")
+    begun = time.process_time()
+    seal = build_seal(file)
+    result = sm.analyze(seal, keep_factors=True)
+    analysis = time.process_time() - begun
+    begun = time.process_time()
+    estimate_errors(file, result)
+    seconds = time.process_time() - begun
+    paths = ComparedPaths(file, result, None)
+    finest, measures = _finest(file, seal, paths)
+    rows = {}
+    for measure in standard_measures(result):
+        fine = measure.on_refined(paths.fine, paths.kept)
+        last = None if fine is None else fine.on_refined(finest, measures)
+        if last is None:
+            continue
+        values = paths.coarse.value(measure), paths.fine.value(fine), finest.value(last)
+        if len({own.shape for own in values}) == 1:
+            rows[measure.name] = _errors(*values, scale_of(measure, result))
+    return {
+        "particles": [len(own.particles) for own in (result, paths.fine, finest)],
+        "analysis_s": round(analysis, 2), "estimate_s": round(seconds, 2), "errors": rows,
+    }  # fmt: skip
+
+
+def _finest(file, seal, paths: ComparedPaths):
+    """Analyse the cloud with all cells divided twice; also return the indices of the particles of that
+    with cells divided once."""
+    once = refined_file(file, seal)
+    twice = refined_file(once.file, unchosen_seal(once.file))
+    fine = alike(unchosen_seal(twice.file), seal)
+    given = np.arange(1.0, seal.n_steps + 1.0)
+    if file.step_tolerance is not None:
+        given = np.array(chosen_ends(seal))
+    ends = some_ends(seal, paths.coarse.seal.n_steps)
+    fine = fine.with_ends(given[ends.astype(int) - 1])
+    steps = dict(enumerate(paths.fine.path.nominal_steps, 1))
+    body = discretize(fine.body, fine.nominal_particles, fine.terms())
+    found = paths.near(fine, Prolongation(paths.fine.path, steps, body, twice.parents))
+    found.require_converged()
+    return found, twice.particles
+
+
+def _errors(coarse, fine, finest, scale: float) -> dict:
+    """Estimated error of the coarse values, and their difference from the extrapolated ones."""
+    factor = 1.0 / (1.0 - 0.5**ORDER)
+    exact = fine + factor * (finest - fine)
+    digits = lambda values: [float(f"{value:.3g}") for value in values / scale]  # noqa: E731
+    return {"estimated": digits(factor * (coarse - fine)), "actual": digits(coarse - exact)}
+
+
+def main(argv=None) -> int:
+    made = argparse.ArgumentParser(description=__doc__)
+    made.add_argument("names", nargs="*", default=NAMES, help="examples")
+    made.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
+    arguments = made.parse_args(argv)
+    path = arguments.out / "error_estimates.json"
+    stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    for name in arguments.names:
+        stored[name] = compared(name)
+        print(name, json.dumps(stored[name]), flush=True)
+        path.write_text(json.dumps(stored, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
