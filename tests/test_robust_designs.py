@@ -10,7 +10,7 @@ import seal_mdao as sm
 from seal_mdao.scenarios.running import usual_workers
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_clearance
-from seal_mdao.tolerances.study import ToleranceStudy
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 FOUND = Path(__file__).parents[1] / "docs" / "benchmarks" / "tolerances.json"
 SAMPLES, SEED = 64, 77

@@ -1,4 +1,4 @@
-"""Estimated errors by particles against actual ones, from ``tests.benchmarks.error_estimates``."""
+"""Estimated errors by particles against actual ones, from ``tests/benchmarks/error_estimates.py``."""
 
 import json
 from pathlib import Path

@@ -8,15 +8,15 @@ from figures.examples import write_example
 from figures.tables import percent, table
 from seal_mdao.calibration.cycles import SoftenedLaw, stress_in
 from seal_mdao.calibration.data import ModeData, material_tests
-from seal_mdao.calibration.fit import fit
 from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.relaxation_data import relaxation_tests
 from seal_mdao.calibration.relaxation_fit import fit_relaxation
 from seal_mdao.calibration.relaxation_shift import Arrhenius
 from seal_mdao.calibration.softening_fit import fit_softening
 from seal_mdao.calibration.treloar import OGDEN_1972, treloar_tests
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.yeoh import Yeoh
 from seal_mdao.plotting import material_fit, relaxation_fit, save, softening_fit
 from seal_mdao.plotting.captions import captioned, materials_text

@@ -25,7 +25,7 @@ from seal_mdao.seals.file.chosen import chosen_ends
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.penalty_error import scale_of, standard_measures
 from seal_mdao.seals.profiles import motions
-from seal_mdao.seals.result import SealResult, analyze_particles
+from seal_mdao.seals.result import Known, SealResult, analyze_particles
 from seal_mdao.seals.seal import Seal
 
 FEW = 8
@@ -204,8 +204,8 @@ class ComparedPaths:
             damped_iterations=0,
         )  # fmt: skip
         return analyze_particles(
-            replace(seal, newton=newton), seal.nominal_particles, discretization=near.fine,
-            callback=self.callback, near=near,
+            replace(seal, newton=newton), seal.nominal_particles, callback=self.callback,
+            known=Known(near.fine, near=near),
         )  # fmt: skip
 
 

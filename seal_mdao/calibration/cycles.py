@@ -6,7 +6,7 @@ import numpy as np
 
 from seal_mdao.calibration.loading_modes import Mode, ModeResponse, nominal_stress, response
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.materials.softening import PREFIX, OgdenRoxburgh, softened
+from seal_mdao.materials.ogden_roxburgh import PREFIX, OgdenRoxburgh, softened
 
 NOISE = 0.02
 """Change of ln(lambda) that is no unloading, as a fraction of the largest one."""

@@ -121,22 +121,22 @@ def starting_shifts(model: PronyModel) -> tuple[np.ndarray, np.ndarray]:
     if model.reference is None:
         return log_a, q[1:]
     degrees = np.array([own.temperature for own in curves])
-    use, m = degrees == model.reference, model.modulus_factors()
+    use = degrees == model.reference
     known |= set(scale[use])
     for side in (1.0, -1.0):
         last = 0.0
         away = side * (np.array(model.shifted) - model.reference)
         for temperature in np.array(model.shifted)[np.argsort(away)][np.sort(away) > 0.0]:
             own = degrees == temperature
-            last = _best_shift(model, own, use, log_a, q, m, known, side, last)
+            last = _best_shift(model, own, use, log_a, q, known, side, last)
             log_a[own], use, known = last, use | own, known | set(scale[own])
     return log_a, q[1:] / q[0]
 
 
-def _best_shift(model, own, use, log_a, q, m, known, side, last) -> float:
+def _best_shift(model, own, use, log_a, q, known, side, last) -> float:
     """Find ln a of the curves ``own`` by a search; sets the ratios q of tests that are new."""
     scale = np.array(model.tests.scales)
-    placed = use[model.curve]
+    placed, m = use[model.curve], model.modulus_factors()
     log = np.log(model.time) - log_a[model.curve]
     low, high = log[placed].min(), log[placed].max()
     grid = dense_grid(low, high)

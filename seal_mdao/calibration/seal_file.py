@@ -7,7 +7,7 @@ import numpy as np
 
 from seal_mdao.calibration.relaxation_result import RelaxationFit
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.values import one_of
 
 DIGITS = 8

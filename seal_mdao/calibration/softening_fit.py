@@ -9,12 +9,12 @@ import numpy as np
 from seal_mdao.calibration.cycles import SoftenedLaw
 from seal_mdao.calibration.data import MaterialDataError, MaterialTests, ModeData
 from seal_mdao.calibration.families import Unknown, distortion, family
-from seal_mdao.calibration.fit import SAME, End, Fit, descend, fit, uncertainty
 from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.law_fit import SAME, End, Fit, descend, fit, uncertainty
 from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
 from seal_mdao.calibration.residuals import residuals
-from seal_mdao.materials.softening import PREFIX, OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import PREFIX, OgdenRoxburgh
 
 R, M, BETA = (PREFIX + name for name in ("r", "m", "beta"))
 STARTS = 4

@@ -12,7 +12,7 @@ from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.tolerances.design_comparison import SampledDesign
 from seal_mdao.tolerances.record import count_finished
-from seal_mdao.tolerances.study import ToleranceStudy
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 
 def sampled(subject: Subject, name: str, design: tuple, arguments, workers) -> SampledDesign:

@@ -26,8 +26,8 @@ from seal_mdao.plotting.captions import name_varied
 from seal_mdao.progress import SampleProgress
 from seal_mdao.tolerances.record import count_finished
 from seal_mdao.tolerances.statistics import described, rank_correlations
-from seal_mdao.tolerances.study import Sampled, ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import METHODS
+from seal_mdao.tolerances.tolerance_study import Sampled, ToleranceStudy
 
 MOST_FAILED = 0.01
 """Fraction of failed samples above which the study is reported as failed."""

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from seal_mdao.calibration.fit import Fit
+from seal_mdao.calibration.law_fit import Fit
 from seal_mdao.calibration.loading_modes import (
     MODES,
     is_compressible,

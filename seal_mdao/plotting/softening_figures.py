@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from seal_mdao.calibration.cycles import stress_in
 from seal_mdao.calibration.data import ModeData
-from seal_mdao.calibration.fit import Fit
+from seal_mdao.calibration.law_fit import Fit
 from seal_mdao.calibration.loading_modes import MODES, nominal_stress
 from seal_mdao.calibration.residuals import relative_to
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, styled, subplots

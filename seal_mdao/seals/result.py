@@ -4,6 +4,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -511,6 +512,27 @@ def unloaded(seal: Seal) -> SealResult:
     return SealResult(seal, PathResult(problem, None, [], Status.CONVERGED, 0))
 
 
+class Known(NamedTuple):
+    """What is known from other paths of a seal.
+
+    Attributes
+    ----------
+    discretization : Discretization or None
+        Of a seal with the same particles and points of its terms, in other load steps and with other
+        penalties.
+    resume, states, near
+        As of ``load_path.solve_path``.
+    """
+
+    discretization: Discretization | None = None
+    resume: PathState | None = None
+    states: dict | None = None
+    near: Callable | None = None
+
+
+NOTHING_KNOWN = Known()
+
+
 def analyze_particles(
     seal: Seal,
     particles,
@@ -518,18 +540,13 @@ def analyze_particles(
     *,
     factor_memory=0.0,
     callback=None,
-    discretization: Discretization | None = None,
-    resume: PathState | None = None,
-    states: dict | None = None,
-    near: Callable | None = None,
+    known: Known = NOTHING_KNOWN,
 ) -> SealResult:
     """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
-    Factors of converged tangents are cached up to ``factor_memory`` (GiB). The ``discretization`` may
-    be that of a seal with the same particles and points of its terms, in other load steps and with
-    other penalties; ``resume`` and ``states`` are those of ``load_path.solve_path``. A profile inside of
-    which the particles of a changed design would begin starts farther back where the seal has
-    ``clear_designs``; ``SealResult.seal`` is then that with the other start.
+    Factors of converged tangents are cached up to ``factor_memory`` (GiB). A profile inside of which the
+    particles of a changed design would begin starts farther back where the seal has ``clear_designs``;
+    ``SealResult.seal`` is then that with the other start.
     """
     # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
@@ -545,13 +562,15 @@ def analyze_particles(
     announce(cost, seal.body, seal.n_steps)
     terms = seal.terms()
     # r(d, lambda) = 0 of all terms, solved along lambda
+    discretization = known.discretization
     if discretization is None:
         discretization = discretize(seal.body, particles, terms)
     problem = PathProblem(discretization, terms, seal.imposed())
     try:
         path = solve_path(
-            problem, seal.n_steps, seal.newton, factor_memory, callback, resume, states, near
-        )
+            problem, seal.n_steps, seal.newton, factor_memory, callback, known.resume, known.states,
+            known.near,
+        )  # fmt: skip
     except GeometryError:
         # a design that has grown into a profile: that begins farther back
         grown = seal.clear_designs and not np.array_equal(particles, seal.nominal_particles)
@@ -560,6 +579,6 @@ def analyze_particles(
             raise
         return analyze_particles(
             clear, particles, boundary_offsets, factor_memory=factor_memory, callback=callback,
-            discretization=discretization, states=states,
+            known=Known(discretization, states=known.states),
         )  # fmt: skip
     return SealResult(seal, path, boundary_offsets)

@@ -21,7 +21,7 @@ from seal_mdao.seals.penalty_error import penalties_of
 from seal_mdao.seals.profiles import motions
 from seal_mdao.seals.raised_penalties import penalty_values, relative_error, with_raised_penalties
 from seal_mdao.seals.refined_steps import divided, with_refined_steps
-from seal_mdao.seals.result import FACTOR_MEMORY, SealResult, analyze_particles
+from seal_mdao.seals.result import FACTOR_MEMORY, Known, SealResult, analyze_particles
 from seal_mdao.seals.seal import Seal
 
 STEP_TOLERANCE = 5e-3
@@ -83,8 +83,8 @@ class _Analyses:
             self.report(self.number, self.number + more, seal.n_steps)
         result = analyze_particles(
             seal, seal.nominal_particles, np.zeros(seal.n_offsets), factor_memory=FACTOR_MEMORY,
-            callback=self.callback, discretization=self.discretization,
-            resume=states.get(max(states, default=0)), states=states,
+            callback=self.callback,
+            known=Known(self.discretization, states.get(max(states, default=0)), states),
         )  # fmt: skip
         # steps and penalties do not change the discretised body
         self.discretization = result.path.discretization

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from seal_mdao.materials import softening, viscoelastic
+from seal_mdao.materials import ogden_roxburgh, viscoelastic
 from seal_mdao.structure.environment import EXPANSION, Environment
 from seal_mdao.structure.region import Region
 from seal_mdao.structure.structural_term import StructuralTerm
@@ -42,7 +42,7 @@ class ElasticBody(TermDefinition):
         found |= {
             region.prefix + name: Scalar(
                 value,
-                softening.UNITS.get(name),
+                ogden_roxburgh.UNITS.get(name),
                 f"Constant {name} of the law of Ogden and Roxburgh.",
             )
             for region in self.regions

@@ -1,6 +1,6 @@
 """Linearisation of a body that softens at one converged step, with the W_max that it carries.
 
-With P of the elastic law, W_F = P / mu, and eta of ``materials.softening``,
+With P of the elastic law, W_F = P / mu, and eta of ``materials.ogden_roxburgh``,
 
     direct     (w P)' += w (d eta/dW_max) W_max' P
                W_max+' = W_F : F' + dW/dc c' on the primary branch,    W_max' below it

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.structure.environment import Growth
 

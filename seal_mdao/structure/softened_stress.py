@@ -1,7 +1,7 @@
 """Von Mises stress at points of a region that softens, through all steps of the path.
 
 Every point has the largest energy W_max of its own, from its F at the converged steps n before the last
-one N. The deviatoric stress has the factor eta of ``materials.softening``:
+one N. The deviatoric stress has the factor eta of ``materials.ogden_roxburgh``:
 
     sigma_vm = eta(W_N, W_max) sigma_vm(F_N),    W_max = max_n W_n
 """
@@ -9,7 +9,7 @@ one N. The deviatoric stress has the factor eta of ``materials.softening``:
 import numpy as np
 
 from seal_mdao.materials import conditioned
-from seal_mdao.materials.softening import softened
+from seal_mdao.materials.ogden_roxburgh import softened
 from seal_mdao.structure.second_stress import along_gradient, point_state, second_stress
 
 

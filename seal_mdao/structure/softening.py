@@ -3,8 +3,8 @@
     P = eta(W, W_max) mu dW/dF + p J F^-T,    W_max+ = max(W_max, W)
 
 with W of the isochoric law without the factor mu of its moduli over the temperature, so that heat alone
-does not soften, and eta of ``materials.softening``. Within a load step the law is an elastic one of the
-energy mu phi(W, W_max) with the W_max of the steps before, and with U = mu W
+does not soften, and eta of ``materials.ogden_roxburgh``. Within a load step the law is an elastic one
+of the energy mu phi(W, W_max) with the W_max of the steps before, and with U = mu W
 
     phi_T = eta U_T,    phi_TT = eta U_TT + (d eta/dW) U_T U_T / mu,    ...
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from seal_mdao.materials import conditioned
 from seal_mdao.materials.hoop_stretch import is_isochoric
-from seal_mdao.materials.softening import is_below, softened, step_potential
+from seal_mdao.materials.ogden_roxburgh import is_below, softened, step_potential
 from seal_mdao.structure.internal_force import W_H, W_HH, W_JH, W_TH
 
 _NO_BRANCH = np.empty(0, int)

@@ -19,7 +19,7 @@ from seal_mdao.measures.retention import CompressionSet
 from seal_mdao.measures.section_shape import Displacement
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.build import unchosen_seal
-from seal_mdao.seals.result import analyze, analyze_particles
+from seal_mdao.seals.result import Known, analyze, analyze_particles
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -78,7 +78,7 @@ def test_iterations_begin_at_the_coarse_solution(tmp_path):
     body = discretize(few.body, few.nominal_particles, few.terms())
     steps = dict(enumerate(coarse.path.nominal_steps, 1))
     near = Prolongation(coarse.path, steps, body, finer.parents)
-    found = analyze_particles(few, few.nominal_particles, discretization=body, near=near)
+    found = analyze_particles(few, few.nominal_particles, known=Known(body, near=near))
     np.testing.assert_allclose(found.displacement(), ordinary.displacement(), rtol=0, atol=1e-8)
     assert (found.newton_iterations <= 8).all()
     assert found.newton_iterations.sum() < 0.8 * ordinary.newton_iterations.sum()

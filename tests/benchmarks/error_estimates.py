@@ -1,4 +1,6 @@
-"""Compare estimated errors by particles with actual ones: ``python -m benchmarks.error_estimates``.
+"""Compare estimated errors by particles with actual ones.
+
+    python tests/benchmarks/error_estimates.py --out docs/benchmarks
 
 The actual error is that against the value extrapolated from clouds with cells of a half and a quarter of
 the size, in the same load steps. Writes ``error_estimates.json``; takes about ten minutes.

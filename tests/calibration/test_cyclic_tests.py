@@ -7,14 +7,14 @@ import pytest
 
 from seal_mdao.calibration.cycles import SoftenedLaw, unloadings
 from seal_mdao.calibration.data import MaterialDataError, ModeData, material_tests
-from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.loading_modes import MODES, nominal_stress
 from seal_mdao.calibration.material_stability import UnstableMaterialError
 from seal_mdao.calibration.softening_fit import first_loading, fit_softening
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.ogden import Ogden
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.yeoh import Yeoh
 
 SOFTENING = OgdenRoxburgh(1.8, 12.0, 0.15)

@@ -7,7 +7,7 @@ import pytest
 from laws import LAWS
 
 from seal_mdao.calibration.data import MaterialDataError, material_tests
-from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.loading_modes import MODES, lateral_stretch, nominal_stress
 from seal_mdao.calibration.material_stability import UnstableMaterialError
 from seal_mdao.calibration.residuals import residuals

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from seal_mdao.calibration.fit import fit
 from seal_mdao.calibration.fit_errors import errors_of
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.material_stability import check_stability
 from seal_mdao.calibration.residuals import residuals
 from seal_mdao.calibration.treloar import OGDEN_1972

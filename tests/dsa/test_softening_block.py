@@ -10,7 +10,7 @@ from quotients import quotients
 
 import seal_mdao as sm
 from seal_mdao.geometry.motion import Stage, staged_motion
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.stress import VonMises

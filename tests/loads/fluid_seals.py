@@ -17,7 +17,7 @@ from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.file.edge_tables import FluidTable
 from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
 from seal_mdao.seals.outline.offset_fields import OffsetDesign
-from seal_mdao.seals.outline.outline_seal import outline_seal
+from seal_mdao.seals.outline.outline_seal import BodyModel, outline_seal
 
 RADIUS, WALL, CLEAR = 3.0, 3.2, 1e-3
 RUBBER = sm.MooneyRivlin(500.0, 125.0, 400_000.0)
@@ -65,7 +65,7 @@ def ring(pressure, *, squeeze=0.45, close=6, steps=8, spacing=0.4, axis=None):
         outline, spacing, pressure, close, steps,
         [_lid(RADIUS, squeeze, close, steps, law), wall],
         (PeakPressure("lid"), Reaction("lid", name="on_lid"), Reaction("wall", name="on_wall")),
-        supports={"middle": (1,)}, axisymmetric=axis is not None,
+        supports={"middle": (1,)}, model=BodyModel(axis is not None),
     )  # fmt: skip
 
 

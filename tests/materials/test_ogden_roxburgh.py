@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf
 
-from seal_mdao.materials.softening import OgdenRoxburgh, softened, step_potential
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh, softened, step_potential
 
 LAWS = [(2.0, 10.0, 0.1), (1.2, 0.0, 0.4), (5.0, 3.0, 0.0)]
 ENERGIES, LARGEST = np.array([0.0, 3.0, 19.0, 24.999]), 25.0

@@ -9,7 +9,7 @@ import seal_mdao as sm
 from seal_mdao.calibration.cycles import SoftenedLaw
 from seal_mdao.calibration.data import ModeData
 from seal_mdao.calibration.loading_modes import MODES
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.yeoh import Yeoh
 from seal_mdao.seals.file.softening_table import softening_of
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import seal_mdao
-from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.loading_modes import MODES, nominal_stress
 from seal_mdao.calibration.treloar import treloar_tests
 from seal_mdao.materials.yeoh import Yeoh

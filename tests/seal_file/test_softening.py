@@ -8,7 +8,7 @@ from quotients import quotients
 from ring_files import ring
 
 import seal_mdao as sm
-from seal_mdao.materials.softening import step_potential
+from seal_mdao.materials.ogden_roxburgh import step_potential
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.seals.penalty_error import SMALL

@@ -14,7 +14,7 @@ from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.refined_steps import divided, force_difference, measure_difference
-from seal_mdao.seals.result import analyze_particles
+from seal_mdao.seals.result import Known, analyze_particles
 from seal_mdao.seals.settings import seal_of
 from seal_mdao.seals.steps_and_penalties import choose
 
@@ -138,11 +138,14 @@ def test_a_path_resumed_after_common_steps_has_the_same_bits(same):
     ends = np.arange(1.0, 25.0)
     finer = divided(ends, np.where(np.arange(24) < same, 1, 2))
     states, particles = {}, seal.nominal_particles
-    analyze_particles(seal.with_ends(ends), particles, states=states)
+    analyze_particles(seal.with_ends(ends), particles, known=Known(states=states))
     assert list(states) == list(range(1, 25))
     fresh, further, reported = seal.with_ends(finer), {}, []
     resumed = analyze_particles(
-        fresh, particles, resume=states[same], states=further, callback=reported.append
+        fresh,
+        particles,
+        callback=reported.append,
+        known=Known(resume=states[same], states=further),
     ).path
     complete = analyze_particles(fresh, particles).path
     # no step of the first ones is solved again, all are reported
@@ -161,9 +164,9 @@ def test_a_choice_resumes_after_the_steps_that_it_does_not_divide(monkeypatch):
     """With the derivatives at hand, and only where the penalties are the same."""
     resumed = []
 
-    def solved(*arguments, resume=None, **options):
-        resumed.append(0 if resume is None else len(resume.steps))
-        return analyze_particles(*arguments, resume=resume, **options)
+    def solved(*arguments, known, **options):
+        resumed.append(0 if known.resume is None else len(known.resume.steps))
+        return analyze_particles(*arguments, known=known, **options)
 
     monkeypatch.setattr(steps_and_penalties, "analyze_particles", solved)
     seal = sm.door_seal(n_steps=1, **SHORT)

@@ -3,8 +3,8 @@
 import seal_mdao as sm
 from seal_mdao.distributions import Normal, Triangular, Uniform
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
-from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 
 def quick_seal():

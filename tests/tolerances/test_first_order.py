@@ -8,8 +8,8 @@ import pytest
 from seal_mdao.distributions import Normal
 from seal_mdao.tolerances.boundary_errors import BoundaryTolerance
 from seal_mdao.tolerances.statistics import described, rank_correlations
-from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerances
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 
 def tolerances_of(tolerances, size):

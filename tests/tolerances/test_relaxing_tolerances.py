@@ -12,8 +12,8 @@ from seal_mdao.file_optimization import file_task
 from seal_mdao.optimization import RunOptions, optimization_problem
 from seal_mdao.robust_optimization import Robust, RobustGoal
 from seal_mdao.tolerances.placement import with_clearance
-from seal_mdao.tolerances.study import ToleranceStudy
 from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 STD = {"g_2": 0.02, "tau_1": 0.2, "temperature": 4.0, "duration_2": 3.0, "wlf_c1": 0.4}
 """Standard deviations of parameters of the relaxation, in their units."""

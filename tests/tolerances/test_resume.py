@@ -15,7 +15,7 @@ from quick_study import quick_study
 from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.scenarios.processes import Processes
 from seal_mdao.tolerances.record import StudyFileError, StudyRecord
-from seal_mdao.tolerances.study import ToleranceStudy
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 COUNT = 24
 CHECKED = "SELECT number, status, message, {} FROM results ORDER BY number"

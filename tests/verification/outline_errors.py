@@ -11,7 +11,7 @@ from seal_mdao.seals.door.shapes import FlatDoor
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.outline.arcs import Arc, Circle
 from seal_mdao.seals.outline.contours import Contour, Outline
-from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
+from seal_mdao.seals.outline.outline_seal import BodyModel, OutlineSeal, outline_seal
 from seal_mdao.seals.outline.section_cloud import Kernels
 from seal_mdao.seals.outline.segments import Line
 from seal_mdao.seals.result import analyze
@@ -56,7 +56,7 @@ def flat_door_seal(
 
     return outline_seal(
         *boundaries_of(door_outline(), spacing), MooneyRivlin(), n_steps=STEPS,
-        supports={"base": (0, 1)}, contributions=(door,), kernels=kernels,
+        supports={"base": (0, 1)}, contributions=(door,), model=BodyModel(kernels=kernels),
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.contours import Outline, sampled
 from seal_mdao.seals.outline.moved import shifted_outline
-from seal_mdao.seals.outline.outline_seal import OutlineSeal, outline_seal
+from seal_mdao.seals.outline.outline_seal import BodyModel, OutlineSeal, outline_seal
 from seal_mdao.seals.outline.rays import Rays, ray_boundaries
 from seal_mdao.seals.outline.sampling import doubled
 from seal_mdao.seals.outline.section_cloud import LAYERS, Kernels, OutlineCloud, graded
@@ -113,8 +113,8 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
         seal = outline_seal(
             *boundaries, file.regions, n_steps=file.n_steps, supports=file.supports,
             contributions=[*file.contributions, *file.motions],
-            designs=[own.made() for own in file.designs], axisymmetric=file.axisymmetric,
-            environment=file.environment, kernels=_kernels(section),
+            designs=[own.made() for own in file.designs],
+            model=BodyModel(file.axisymmetric, file.environment, _kernels(section)),
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error

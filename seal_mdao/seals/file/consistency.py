@@ -10,7 +10,7 @@ from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
-from seal_mdao.seals.file.environment import check_environment
+from seal_mdao.seals.file.environment_table import check_environment
 from seal_mdao.seals.file.model_table import AXIAL, check_axisymmetric
 from seal_mdao.seals.file.prescribed_edges import (
     check_edges,

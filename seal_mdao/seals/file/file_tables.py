@@ -19,7 +19,7 @@ from seal_mdao.seals.file.edge_tables import (
     SymmetryTable,
     TermTable,
 )
-from seal_mdao.seals.file.environment import environment_of, growth_of
+from seal_mdao.seals.file.environment_table import environment_of, growth_of
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import Materials, MaterialTable
 from seal_mdao.seals.file.measure_table import MeasureTable

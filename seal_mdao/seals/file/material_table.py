@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao.calibration.data import read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
-from seal_mdao.calibration.fit import fit
+from seal_mdao.calibration.law_fit import fit
 from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.material_stability import check_stability, require_stable
 from seal_mdao.calibration.residuals import WEIGHTINGS

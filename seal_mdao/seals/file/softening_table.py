@@ -4,7 +4,7 @@ from pydantic import model_validator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_isochoric
-from seal_mdao.materials.softening import MOST, OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import MOST, OgdenRoxburgh
 from seal_mdao.seals.file.forms import number
 from seal_mdao.seals.file.schema import Table, key, table
 

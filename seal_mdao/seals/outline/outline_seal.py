@@ -12,7 +12,7 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Body, Edge
 from seal_mdao.loads.moved_edges import ImposedMotions, MovedEdges
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
@@ -71,6 +71,27 @@ class SectionRegion(NamedTuple):
         return Region(
             self.material, cells, self.prefix, self.growth, self.density, self.prony, self.softening
         )
+
+
+class BodyModel(NamedTuple):
+    """How the body of a section is modelled.
+
+    Attributes
+    ----------
+    axisymmetric : bool
+        Whether the section is turned about the axis x = 0, in place of plane strain.
+    environment : Environment or None
+        Axial stretch and temperature along the path.
+    kernels : Kernels or None
+        None for those of rays and of given clouds, else ``Kernels()``.
+    """
+
+    axisymmetric: bool = False
+    environment: Environment | None = None
+    kernels: Kernels | None = None
+
+
+PLANE_STRAIN = BodyModel()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,8 +157,7 @@ class OutlineSeal(Seal):
 
 def outline_seal(
     boundaries, spacing: float | Rays | OutlineCloud, material, *, n_steps: int, supports=NONE,
-    contributions=(), designs=(), kernels: Kernels | None = None, axisymmetric: bool = False,
-    environment: Environment | None = None,
+    contributions=(), designs=(), model: BodyModel = PLANE_STRAIN,
 ) -> OutlineSeal:  # fmt: skip
     """Build a seal from the boundary of its section.
 
@@ -161,12 +181,8 @@ def outline_seal(
         contacts before fluids, which they keep out; or ``MovedEdges`` of edges among the supports.
     designs : sequence of OffsetDesign, VertexDesign or RadiusDesign
         What may change about the shape; their parameters are the ``boundary_offsets``, mm.
-    kernels : Kernels, optional
-        If left out those of rays and of given clouds, else ``Kernels()``.
-    axisymmetric : bool
-        Whether the section is turned about the axis x = 0, in place of plane strain.
-    environment : Environment, optional
-        Axial stretch and temperature along the path.
+    model : BodyModel, optional
+        Kinematics, environment and kernels.
     standard, inputs, newton
         As of ``Seal``.
 
@@ -187,19 +203,20 @@ def outline_seal(
         name: Edge(filled.loops[stretch.loop][stretch.points], stretch.closed)
         for name, stretch in known.items()
     }
+    kernels = model.kernels
     if kernels is None:
         kernels = spacing.kernels if isinstance(spacing, Rays | OutlineCloud) else Kernels()
-    if axisymmetric:
+    if model.axisymmetric:
         filled = _on_axis(filled)
     # both components of fixed edges are prescribed, the normal one of edges in a plane
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    body = _body(filled, kernels, prescribed, edges, axisymmetric)
+    body = _body(filled, kernels, prescribed, edges, model.axisymmetric)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
-    elastic = ElasticBody(_regions(filled, regions), environment)
+    elastic = ElasticBody(_regions(filled, regions), model.environment)
     terms, moved, section = [elastic], [], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
         made = bind(section)

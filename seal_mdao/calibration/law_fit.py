@@ -15,7 +15,7 @@ from seal_mdao.calibration.material_stability import MARGIN, check_stability, re
 from seal_mdao.calibration.residuals import residuals
 from seal_mdao.calibration.standard_errors import standard_errors
 from seal_mdao.materials.isotropic import Isotropic
-from seal_mdao.materials.softening import OgdenRoxburgh
+from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.values import integer, real
 
 DRAWS, STARTS = 200, 12
