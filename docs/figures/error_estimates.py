@@ -52,9 +52,10 @@ def _rows(stored: dict):
 def _picture(path: Path, rows) -> None:
     with picture(path, width=5.4, height=5.0) as axes:
         names = list(dict.fromkeys(row[0] for row in rows))
-        for colour, name in zip(CYCLE * 3, names, strict=False):
+        markers = "o" * len(CYCLE) + "s" * len(CYCLE)
+        for marker, colour, name in zip(markers, CYCLE * 2, names, strict=False):
             own = np.array([[abs(row[3]), abs(row[2])] for row in rows if row[0] == name])
-            axes.loglog(*(100.0 * own.T), "o", color=colour, label=name, markersize=5)
+            axes.loglog(*(100.0 * own.T), marker, color=colour, label=name, markersize=5)
         ends = np.array([100.0 * SMALLEST, 200.0])
         axes.plot(ends, ends, color="black", linewidth=0.8)
         axes.fill_between(ends, 0.5 * ends, 2.0 * ends, color="0.9", zorder=0)
