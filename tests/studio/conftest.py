@@ -104,6 +104,9 @@ class Page:
 @pytest.fixture
 def page(browser, server):
     """The page of the coarse bulb, with the design of the file, analysed."""
+    # messages of pages of other tests, whose servers have ended
+    browser.get("about:blank")
+    browser.get_log("browser")
     found = Page(browser, server.address)
     found.server = server
     found.wait("return Boolean(studio.exact)")

@@ -96,8 +96,9 @@ def test_compared_designs(page):
     page.ready()
     page.click("keep")
     page.wait("return studio.kept.length === 2")
-    assert len(page.browser.find_elements("css selector", "#curve path.line")) == 3
-    assert "friction on plate" in page.run("return document.getElementById('compared').innerText")
+    # drawn with the next frame of the browser
+    page.wait("return document.querySelectorAll('#curve path.line').length === 3")
+    page.wait("return document.getElementById('compared').innerText.includes('friction on plate')")
     page.browser.find_element("css selector", "[data-take='A']").click()
     page.wait("return studio.design[4] === 0.3")
     page.browser.find_element("css selector", "[data-drop='B']").click()
@@ -110,8 +111,7 @@ def test_improve_is_drawn_and_taken_back(page):
     page.wait("return studio.exact.number >= 2")
     page.wait("return studio.status.job === null")
     page.ready()
-    lights = page.run("return document.getElementById('lights').innerText")
-    assert "satisfied" in lights
+    page.wait("return document.getElementById('lights').innerText.includes('satisfied')")
     assert page.design() != before
     page.click("undo")
     page.wait(f"return studio.design[0] === {before[0]}")
