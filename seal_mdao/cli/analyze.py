@@ -65,7 +65,12 @@ def main(arguments) -> int:
     if arguments.errors and result.converged:
         # other analyses follow, and the summary again with what they say
         estimates = errors_of(file, result)
-        write_summary(arguments.out, summary | {"errors": error_summary(estimates)})
+        summary["errors"] = error_summary(estimates)
+        # beside the value of every measure, too
+        for name, found in summary["measures"].items():
+            if found and name in estimates:
+                found["error_bar"] = summary["errors"][name]["bar"]
+        write_summary(arguments.out, summary)
         print_errors(estimates, result)
         plotting.save(plotting.error_parts(estimates), arguments.out / "errors.png")
     # figures need at least one converged load step

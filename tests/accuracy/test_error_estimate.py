@@ -150,8 +150,10 @@ def test_command(tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["analyze", str(cord(tmp_path)), "--errors", "--no-vtu", "--out", str(out)]) == 0
     text = capsys.readouterr().out
-    summary = json.loads((out / "summary.json").read_text())["errors"]
+    written = json.loads((out / "summary.json").read_text())
+    summary = written["errors"]
     force = summary["reaction"]
+    assert written["measures"]["reaction"]["error_bar"] == force["bar"]
     parts = [force[part] for part in ("particles", "load_steps", "penalties")]
     assert force["bar"] == pytest.approx(sum(map(abs, parts)))
     row = next(line.split() for line in text.splitlines() if line.startswith("reaction  "))
