@@ -4,7 +4,7 @@ import traceback
 from pathlib import Path
 
 from seal_mdao.studio.improvement import improve
-from seal_mdao.studio.problem import offered, write_problem
+from seal_mdao.studio.problem_form import offered, write_problem
 from seal_mdao.studio.saved import save_design
 from seal_mdao.studio.workbench import StoppedError, Workbench
 

@@ -21,7 +21,7 @@ from seal_mdao.seals.profiles import (
 )
 from seal_mdao.seals.result import SealResult
 from seal_mdao.studio.adjustable import Adjustable, moving_labels
-from seal_mdao.studio.first_order import PathRates, field_rates, pressure_rates
+from seal_mdao.studio.preview import PathRates, field_rates, pressure_rates
 
 MARGIN = 0.16
 """Clearance around the section, over its size."""

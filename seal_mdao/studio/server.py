@@ -16,7 +16,7 @@ from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from seal_mdao.studio.assets_of import ASSETS, asset
-from seal_mdao.studio.problem import write_drawing
+from seal_mdao.studio.problem_form import write_drawing
 from seal_mdao.studio.project import Project, ProjectError
 from seal_mdao.studio.session import RequestError, Session
 

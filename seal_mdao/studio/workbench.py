@@ -21,7 +21,7 @@ from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.studio import pictures
 from seal_mdao.studio.adjustable import adjustables, with_handles
-from seal_mdao.studio.first_order import path_rates
+from seal_mdao.studio.preview import path_rates
 
 
 class StoppedError(Exception):

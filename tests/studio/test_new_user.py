@@ -70,7 +70,7 @@ def test_drawing_that_is_no_section_is_refused(browser, empty):
 
 
 def test_another_drawing_of_the_same_name_replaces_none(tmp_path):
-    from seal_mdao.studio.problem import write_drawing
+    from seal_mdao.studio.problem_form import write_drawing
     from seal_mdao.studio.project import Project
 
     folder = tmp_path / "elsewhere"
