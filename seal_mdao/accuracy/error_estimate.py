@@ -145,6 +145,8 @@ class ComparedPaths:
         On the finer cloud.
     kept : ndarray of int, shape (n,)
         Index in the finer cloud of every particle.
+    ends : ndarray
+        Ends of the load steps, in those of ``unchosen_seal``, for ``Seal.with_ends``.
     failure : str
         Why a path is missing.
     """
@@ -169,7 +171,8 @@ class ComparedPaths:
             given = np.array(chosen_ends(seal))
         for count in (fewest, MORE * fewest):
             ends = some_ends(seal, count)
-            own, other = seal.with_ends(ends), fine_seal.with_ends(given[ends.astype(int) - 1])
+            self.ends = given[ends.astype(int) - 1]
+            own, other = seal.with_ends(ends), fine_seal.with_ends(self.ends)
             if self._solve(own, other, ends, fine, parents):
                 break
 

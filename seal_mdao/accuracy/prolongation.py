@@ -7,10 +7,8 @@ large penalties would make forces of. So the first tangent has the volume change
 coarse cloud (``mixed_newton``).
 """
 
-from itertools import pairwise
-
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
@@ -18,7 +16,10 @@ from seal_mdao.analysis.increment import Increment
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.equilibrium.discretization import Discretization
+from seal_mdao.rkpm.shape_functions import ShapeTable
+from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.structure.structural_term import StructuralTerm
+from seal_mdao.terms.point_assembly import interpolate
 
 
 class Prolongation:
@@ -37,10 +38,13 @@ class Prolongation:
 
     def __init__(self, path: PathResult, steps: dict, fine: Discretization, parents=None):
         self.path, self.steps, self.fine, self.parents = path, steps, fine, parents
-        self._between, self._inverse = None, None
-        if fine is not path.discretization:
-            self._between = self._at_particles()
-            self._inverse = splu(_matrix(fine.everywhere.table, len(fine.particles)).tocsc())
+        self._same_cloud = fine is path.discretization
+        if not self._same_cloud:
+            self._samples, self._beside = self._nearest_samples()
+            table, n = fine.everywhere.table, len(fine.particles)
+            # Phi_f as a sparse matrix
+            phi = csc_array(csr_array((table.phi, table.neighbours, table.start), shape=(n, n)))
+            self._inverse = splu(phi)
         self._weights = {}
 
     def __call__(self, increment: Increment):
@@ -63,26 +67,24 @@ class Prolongation:
 
     def _prolongated(self, step) -> np.ndarray:
         """Coefficients (n, 2) of the finer cloud with the displacements of a step."""
-        if self._between is None:
+        if self._same_cloud:
             return step.d.copy()
-        # Phi_f d_f = P d
-        return self._inverse.solve(self._between @ step.d)
-
-    def _at_particles(self) -> csr_array:
-        """Matrix (n_fine, n_coarse) of the displacements at the fine particles."""
-        coarse = self.path.discretization
-        samples = coarse.body.samples
-        # fine particles are coarse ones, midpoints of sides, centres of cells; some a little beside them
-        places = samples.at(coarse.particles)
-        nearest = cKDTree(places).query(self.fine.particles)[1]
-        table, beside = coarse.table_at(nearest).table, self.fine.particles - places[nearest]
+        u = np.empty_like(self._beside)
+        interpolate(self._samples, step.d, u)
         # u(X) = u(X_s) + grad u . (X - X_s)
-        rows = table.grad.size // table.neighbours.size
-        sizes = np.diff(table.start)
-        phi = table.phi.copy()
-        for axis in (0, 1):
-            phi += _component(table, rows, axis) * np.repeat(beside[:, axis], sizes)
-        return _matrix(table._replace(phi=phi), len(coarse.particles))
+        gradient = deformation_gradients(self._samples, step.d)[:, :4].reshape(-1, 2, 2) - np.eye(2)
+        u += np.einsum("sij,sj->si", gradient, self._beside)
+        # Phi_f d_f = u
+        return self._inverse.solve(u)
+
+    def _nearest_samples(self) -> tuple[ShapeTable, np.ndarray]:
+        """Find the shape functions at the coarse sample point nearest to every fine particle, and the
+        particle's distance from it (n_fine, 2)."""
+        coarse = self.path.discretization
+        # fine particles are coarse ones, midpoints of sides, centres of cells; some a little beside them
+        places = coarse.body.samples.at(coarse.particles)
+        nearest = cKDTree(places).query(self.fine.particles)[1]
+        return coarse.table_at(nearest).table, self.fine.particles - places[nearest]
 
     def _known(self, term, coarse_term, response, step) -> np.ndarray | None:
         """What the step says about a term: swelling of cells, gaps of contact points."""
@@ -101,7 +103,7 @@ class Prolongation:
 
     def _gaps(self, term, coarse_term, response) -> np.ndarray:
         """Interpolate gaps between the two nearest coarse contact points, shape (k,)."""
-        if self._between is None:
+        if self._same_cloud:
             return response.gap.copy()
         if term.label not in self._weights:
             old, new = (
@@ -113,18 +115,3 @@ class Prolongation:
             self._weights[term.label] = which, away[:, ::-1] / away.sum(axis=1, keepdims=True)
         which, weights = self._weights[term.label]
         return np.ascontiguousarray((response.gap[which] * weights).sum(axis=1))
-
-
-def _component(table, rows: int, axis: int) -> np.ndarray:
-    """One component of the gradients of a table with one point a group, flat (group, neighbour)."""
-    starts = table.start
-    picked = [
-        table.grad[rows * a + axis * (b - a) : rows * a + (axis + 1) * (b - a)]
-        for a, b in pairwise(starts)
-    ]
-    return np.concatenate(picked)
-
-
-def _matrix(table, n: int) -> csr_array:
-    """Shape functions of points as a sparse matrix (n_points, n)."""
-    return csr_array((table.phi, table.neighbours, table.start), shape=(table.n_groups, n))

@@ -11,21 +11,17 @@ import json
 import time
 from pathlib import Path
 
-import numpy as np
-
 import seal_mdao as sm
 from seal_mdao.accuracy.error_estimate import (
     ORDER,
     ComparedPaths,
     alike,
     estimate_errors,
-    some_ends,
 )
 from seal_mdao.accuracy.prolongation import Prolongation
 from seal_mdao.accuracy.refined_file import refined_file
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.seals.file.build import build_seal, unchosen_seal
-from seal_mdao.seals.file.chosen import chosen_ends
 from seal_mdao.seals.penalty_error import scale_of, standard_measures
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -68,12 +64,7 @@ def _finest(file, seal, paths: ComparedPaths):
     with cells divided once."""
     once = refined_file(file, seal)
     twice = refined_file(once.file, unchosen_seal(once.file))
-    fine = alike(unchosen_seal(twice.file), seal)
-    given = np.arange(1.0, seal.n_steps + 1.0)
-    if file.step_tolerance is not None:
-        given = np.array(chosen_ends(seal))
-    ends = some_ends(seal, paths.coarse.seal.n_steps)
-    fine = fine.with_ends(given[ends.astype(int) - 1])
+    fine = alike(unchosen_seal(twice.file), seal).with_ends(paths.ends)
     steps = dict(enumerate(paths.fine.path.nominal_steps, 1))
     body = discretize(fine.body, fine.nominal_particles, fine.terms())
     found = paths.near(fine, Prolongation(paths.fine.path, steps, body, twice.parents))

@@ -20,7 +20,7 @@ import felupe.constitution.tensortrax as mat
 import felupe_contact
 import felupe_rings
 from felupe_contact import CASES, Case, on_arc, three_fields
-from felupe_sections import Grid, mesh_of
+from felupe_sections import Grid, mesh_of, quarter
 from pypardiso import spsolve
 
 MU, ALPHA, BULK = np.array([630.0, 1.2, -10.0]), np.array([1.3, 5.0, -2.0]), 1e6
@@ -96,11 +96,7 @@ def quarter_ring(outer, inner):
 
     def draw(size):
         grid = Grid()
-        layers = max(2, round((outer - inner) / size))
-        around = max(4, round(0.5 * np.pi * outer / size))
-        o, a, b, c, d = (
-            grid.point(*xy) for xy in ((0, 0), (inner, 0), (outer, 0), (0, outer), (0, inner))
-        )
+        layers, around, (o, a, b, c, d) = quarter(grid, outer, inner, size)
         grid.block(
             grid.line(a, b, layers), grid.arc(b, o, c, around), grid.line(c, d, layers),
             grid.arc(d, o, a, around),

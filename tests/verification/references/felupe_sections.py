@@ -114,16 +114,20 @@ def rounded_block(width, height, radius, graded=False, corner=0.4):
     return draw
 
 
+def quarter(grid, outer, inner, size):
+    """Numbers of elements across and around a quarter of a ring in x, y > 0, its centre and corners."""
+    layers = max(2, round((outer - inner) / size))
+    around = max(4, round(0.5 * np.pi * outer / size))
+    places = ((0, 0), (inner, 0), (outer, 0), (0, outer), (0, inner))
+    return layers, around, [grid.point(*xy) for xy in places]
+
+
 def half_ring(outer, inner):
     """Right half of a bulb; finer at its foot."""
 
     def draw(size):
         grid = Grid()
-        layers = max(2, round((outer - inner) / size))
-        around = max(4, round(0.5 * np.pi * outer / size))
-        o, a, b, c, d = (
-            grid.point(*xy) for xy in ((0, 0), (inner, 0), (outer, 0), (0, outer), (0, inner))
-        )
+        layers, around, (o, a, b, c, d) = quarter(grid, outer, inner, size)
         growth = 4.0 ** (1.0 / around)
         grid.block(
             grid.line(a, b, layers),
