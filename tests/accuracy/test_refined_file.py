@@ -1,6 +1,6 @@
 """Clouds with all cells divided into four, and iterations on them that begin at a coarse solution."""
 
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +96,18 @@ def test_prolongation_has_the_coarse_displacements(tmp_path):
     np.testing.assert_allclose(sums[finer.particles], coarse.displacement(), rtol=0, atol=1e-12)
 
 
+def test_prolongation_is_exact_for_linear_displacements(tmp_path):
+    """At new particles of a curved boundary, too, which lie beside the middle of the old side."""
+    seal, fine, finer = both(cord(tmp_path))
+    coarse = analyze(seal)
+    body = discretize(fine.body, fine.nominal_particles, fine.terms())
+    rates = np.array([0.3, -0.2])
+    step = replace(coarse.path.nominal_steps[-1], d=rates * seal.nominal_particles)
+    d = Prolongation(coarse.path, {1: step}, body, finer.parents)._prolongated(step)
+    # the linear field has these coefficients on both clouds
+    np.testing.assert_allclose(d, rates * fine.nominal_particles, rtol=0, atol=1e-12)
+
+
 INDICES = {"point", "points", "patches", "nominal"}
 """Fields of measures that are indices of particles or contact points; ``nominal`` may also be a flag."""
 
@@ -130,5 +142,7 @@ def test_measures_at_the_same_places(tmp_path):
     ):  # fmt: skip
         own = measure.frozen(results[0])
         other = own.on_refined(results[1], finer.particles)
+        if hasattr(own, "point"):
+            assert other.point == finer.particles[own.point]
         values = results[0].value(own), results[1].value(other)
         np.testing.assert_allclose(values[1], values[0], rtol=0.1, atol=1e-3)
