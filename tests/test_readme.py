@@ -82,7 +82,7 @@ def test_the_numbers_are_those_of_their_sources():
     analysis, cost, ratio, iterations = (
         re.search(rf"\| {words}.*?\| {number}", README)[1]
         for words, number in (
-            ("time of this analysis relative to a finite element", r"([\d.]+) \|"),
+            ("time of an analysis with this setting, relative to a finite element", r"([\d.]+) \|"),
             ("time for all 26 shape derivatives", r"([\d.]+) \|"),
             ("sum of squared gaps at the optimum", r"([\d.]+) %"),
             ("sum of squared gaps at the optimum", r".*? in (\d+) iterations"),
