@@ -9,7 +9,7 @@ class SplineGeometryComp(OffsetsComp):
     """Particles of a seal, of the door seal or from outlines, from the offsets of its boundaries.
 
     particles = nominal particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
-    of Eq. (48) as constant sparse partials.
+    as constant sparse partials.
     """
 
     def setup(self):

@@ -204,7 +204,7 @@ def elastic_slip(g_n, change, state_0, size_0, carried):
     """
     if state_0 == UNKNOWN:
         return 0.0
-    # g_t = |t0| (xi - xi0)   Eq. (19)
+    # g_t = |t0| (xi - xi0)   Eq. (19), of a changed design (59)
     slid = size_0 * change
     if state_0 == OPEN:
         # after the touch: g_t g_n / (g_n - g_n0)
@@ -218,7 +218,12 @@ def elastic_slip_rate(column, g_n, gap_r, change, change_r, state_0, size_0, car
     """Derivative of ``elastic_slip`` with respect to the input ``column``, Eq. (60)."""
     if state_0 == UNKNOWN:
         return 0.0
-    # g_t' = |t0|' (xi - xi0) + |t0| (xi' - xi0')   Eq. (60)
+    # g_t' = |t0|' (xi - xi0) + |t0| (xi' - xi0')   Eq. (60). With (52) now and at the step before (0),
+    # |t0|' = beta0 xi0' + e_t0.V_c0,xi and w = V - V_c + z' this is, in the order of the print,
+    #   nu e_t.w + (g_n |t0|/c) e_n.V_c,xi                         from xi'; with dx alone (32)
+    #   + ((beta0 g_t - |t0|^2)/c0) e_t0.w0                        from |t0|' and xi0'
+    #   + ((g_n0 beta0 (xi - xi0) - g_n0 |t0|)/c0) e_n0.V_c0,xi    from |t0|' and xi0'; g_n |t0| printed
+    #   + (xi - xi0) e_t0.V_c0,xi                                  from |t0|'
     slid, slid_r = size_0 * change, size_0 * change_r
     if column == SIZE_0:
         slid_r = change
@@ -286,17 +291,18 @@ def traction(law, i, g_n, g_t):
     if g_n >= 0.0:
         return OPEN, 0.0
     limit = friction_limit(law.limits, law, i, g_n, g_t)
-    # stick: tau = w_t g_t;  slip: tau = +-mu w_n |g_n|   Eqs. (28), (29)
+    # stick: tau = w_t g_t   Eqs. (28), (29)
     tau = law.tangent_penalty * g_t
     if abs(tau) < limit:
         return STICK, tau
+    # slip: tau = omega_t g_n, omega_t = -mu w_n sgn(g_t), which is +-mu w_n |g_n|   Eqs. (39), (40)
     return SLIP, math.copysign(limit, g_t)
 
 
 @inlined
 def traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r):
     """Derivatives of tau and of the elastic slip tau / w_t that is carried on, with respect to the input
-    ``column``."""
+    ``column``: tau' of the tangents (36), (41) and of the loads (63), (66)."""
     if state == STICK:
         # tau' = w_t g_t' + w_t' g_t, the elastic slip g_t'
         tau_r = law.tangent_penalty * slip_r
@@ -304,7 +310,7 @@ def traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r):
             tau_r = tau / law.tangent_penalty
         return tau_r, slip_r
     limit_r = _friction_limit_rate(law.limits, law, i, column, g_n, gap_r, tau)
-    # tau' = +-(mu w_n |g_n|)', the elastic slip (tau / w_t)'
+    # tau' = +-(mu w_n |g_n|)' = (omega_t g_n)', the elastic slip (tau / w_t)'
     tau_r = math.copysign(1.0, tau) * limit_r
     slip_r = tau_r / law.tangent_penalty
     if column == TANGENT_PENALTY:

@@ -144,6 +144,7 @@ def closest_point(profile, x, y):
                 best, best_gap, best_s, best_piece, best_over = square, gap, s, piece, over
                 reach = (1.0 + 1e-9) * square**0.5
                 farthest = reach if reach < farthest else farthest
+    # xi with e_t . (x - x_c(xi)) = 0   Eq. (18),  g_n = (x - x_c(xi)) . e_n   Eq. (17)
     return best_piece, profile.start[best_piece] + best_s, best_gap
 
 
@@ -234,11 +235,11 @@ def rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2):
     Returns
     -------
     xi_rate : float
-        Eq. (52); Eq. (26) is |t0| times it.
+        Eq. (52); Eqs. (26), (32) are |t0| times it.
     gap_rate : float
-        Eq. (23), (55).
+        Eqs. (23), (31), (55).
     turn : float
-        e_t' = turn e_n and e_n' = -turn e_t, Eqs. (24), (25), (53), (54).
+        e_t' = turn e_n and e_n' = -turn e_t, Eqs. (24), (25), (33), (34), (53), (54).
     size_rate, c_rate : float
         |t|' and c'.
     """
@@ -247,14 +248,17 @@ def rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2):
     w_n = e_n[0] * w[0] + e_n[1] * w[1]
     v1_t = e_t[0] * v1[0] + e_t[1] * v1[1]
     v1_n = e_n[0] * v1[0] + e_n[1] * v1[1]
-    # xi' = (|t|/c) e_t . w + (g_n/c) e_n . V_c,xi   Eqs. (26), (52)
+    # xi' = (|t|/c) e_t . w + (g_n/c) e_n . V_c,xi   Eq. (52); |t0| xi' with dx alone   Eqs. (26), (32)
     xi_rate = (size * w_t + g_n * v1_n) / c
-    # e_t' = [(alpha/c) e_t . w + (|t|/c) e_n . V_c,xi] e_n   Eqs. (24), (53)
+    # e_t' = [(alpha/c) e_t . w + (|t|/c) e_n . V_c,xi] e_n, e_n' = -[same] e_t   Eqs. (53), (54), with
+    # dx alone (24), (25), (33), (34). The print has (alpha/c)(g_n/c) in place of |t|/c, a misprint: turn
+    # = e_n . t'/|t| = (alpha xi' + e_n . V_c,xi)/|t| has (alpha g_n/c + 1)/|t| = |t|/c there, and so
+    # has the paper's own (56)
     turn = (alpha * w_t + size * v1_n) / c
     # |t|' = beta xi' + e_t . V_c,xi
     size_rate = beta * xi_rate + v1_t
     # alpha' = -turn beta + gamma xi' + e_n . V_c,xixi
     alpha_rate = -turn * beta + gamma * xi_rate + e_n[0] * v2[0] + e_n[1] * v2[1]
-    # c' = 2 |t| |t|' - g_n' alpha - g_n alpha', g_n' = e_n . w   Eqs. (23), (55)
+    # c' = 2 |t| |t|' - g_n' alpha - g_n alpha', g_n' = e_n . w   Eq. (55), with dx alone (23), (31)
     c_rate = 2.0 * size * size_rate - w_n * alpha - g_n * alpha_rate
     return xi_rate, w_n, turn, size_rate, c_rate

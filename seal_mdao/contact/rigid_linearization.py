@@ -1,7 +1,9 @@
 """Contact of points with one rigid profile: forces (27), (29), tangents (35), (36), (41) and fictitious
 loads (57), (63), (66).
 
-The law is that of ``contact.friction``, the kinematics those of ``contact.kinematics``.
+``contact_points`` has the force T, ``_fill_column`` one product rule T' for all of its derivatives, with
+the printed forms term by term beside it. The law is that of ``contact.friction``, the kinematics those
+of ``contact.kinematics``.
 """
 
 import numpy as np
@@ -97,27 +99,62 @@ def _fill_column(column, change_r, moved, frame, now, then, law, i, length, out)
     g_n, state, tau, nu = now
     state_0, size_0, change, carried = then
     w, v1, v2 = moved
-    # xi', g_n', e_t' = turn e_n, |t|', c'  Eqs. (52)-(55), with dx alone (23)-(26)
+    # xi', g_n', e_t' = turn e_n, |t|', c'  Eqs. (52)-(55), with dx alone (31)-(34)
     xi_r, gap_r, turn, size_r, c_r = rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2)
     out[XI, column], out[SIZE, column], out[GAP, column] = xi_r, size_r, gap_r
     if state == OPEN:
         out[FORCE_X, column] = out[FORCE_Y, column] = 0.0
         out[CARRIED, column] = gap_r
         return
-    # g_t' of Eq. (60), tau' = w_t g_t' in stick and +-(mu w_n |g_n|)' in slip
+    # g_t'   Eq. (60), with dx alone nu e_t.dx   Eq. (32)
     slip_r = elastic_slip_rate(
         column, g_n, gap_r, change, xi_r + change_r, state_0, size_0, carried
     )
+    # tau' = w_t g_t' in stick, (omega_t g_n)' with omega_t = -mu w_n sgn(g_t) in slip   Eq. (39)
     tau_r, slip_r = traction_rate(law, i, column, state, tau, g_n, gap_r, slip_r)
     pressure, shear = law.normal_penalty * g_n, tau * nu
+    # (w_n g_n)' = w_n g_n' + w_n' g_n
     pressure_r = law.normal_penalty * gap_r
     if column == NORMAL_PENALTY:
         pressure_r = g_n
-    # nu = |t||t0|/c, Eq. (22)
+    # nu' = nu (|t|'/|t| + |t0|'/|t0| - c'/c) of nu = |t||t0|/c   Eq. (22)
     size_0_r = 1.0 if column == SIZE_0 else 0.0
     nu_r = nu * (size_r / size + size_0_r / size_0 - c_r / c)
     shear_r = tau_r * nu + tau * nu_r
-    # T' = l [(w_n g_n)' + turn tau nu] e_n + l [(tau nu)' - turn w_n g_n] e_t, for e_n' = -turn e_t
+    # T' = l [(w_n g_n)' + turn tau nu] e_n + l [(tau nu)' - turn w_n g_n] e_t, for e_t' = turn e_n and
+    # e_n' = -turn e_t. The same terms apart, as in the paper:
+    #
+    # Tangents, w = dx: turn = (alpha/c) e_t.dx, g_n' = e_n.dx, and
+    #   nu' = (nu/c) {[((gamma |t| - 2 alpha beta) g_n - beta |t|^2)/c] e_t.dx + alpha e_n.dx}
+    # normal (35)
+    #   (w_n g_n)' e_n     w_n e_n e_n^T dx
+    #   -turn w_n g_n e_t  -w_n (alpha g_n/c) e_t e_t^T dx
+    # stick (36), tau = w_t g_t, and slip (41), tau = omega_t g_n
+    #   tau' nu e_t        w_t nu^2 e_t e_t^T dx in stick,  omega_t nu e_t e_n^T dx in slip
+    #   turn tau nu e_n    tau (alpha nu/c) e_n e_t^T dx    (36) prints e_n e_n^T
+    #   tau nu' e_t        tau (alpha nu/c) e_t e_n^T dx
+    #                      + tau (nu/c^2) [(gamma |t| - 2 alpha beta) g_n - beta |t|^2] e_t e_t^T dx
+    # These are exact; the print says that higher-order terms are ignored.
+    #
+    # Fictitious loads, w = V - V_c; 0 marks the step before, where w0 = V - V_c0 + z0':
+    # normal (57): (35) with w for dx, and of -turn w_n g_n e_t
+    #   - w_n (g_n |t|/c) e_t e_n.V_c,xi
+    # stick (63), w_t times: (36) with w for dx (V printed), and
+    #   + (2 g_t |t|/c) e_t e_t0.V_c0,xi
+    #   + (nu/c0) (2 beta0 g_t - |t0|^2) e_t e_t0.w0                 1/c0 is missing in the print
+    #   + (2 beta0 g_n0 g_t |t|/(c c0)) e_t e_n0.V_c0,xi             g_n (|t| + |t0|) printed
+    #   - (g_n0 |t| |t0|^2/(c c0)) e_t e_n0.V_c0,xi                  g_n printed
+    #   + (nu g_n |t0|/c) e_t e_n.V_c,xi                             missing in the print
+    # slip (66), omega_t times: (41) with w for dx (V printed), and
+    #   + (g_n |t|/c) e_t e_t0.V_c0,xi
+    #   + (nu beta0 g_n/c0) e_t e_t0.w0
+    #   + (beta0 g_n g_n0 |t|/(c c0)) e_t e_n0.V_c0,xi               |t0| and e_t0 printed
+    # (63) and (66), tau nu times, of V_c,xi and V_c,xixi in turn and nu', missing in the print:
+    #   + (|t|/c) e_n e_n.V_c,xi - ((|t|^2 + alpha g_n)/(|t| c)) e_t e_t.V_c,xi
+    #   + (g_n/c^2) [gamma g_n - beta (2 |t|^2 + alpha g_n)/|t|] e_t e_n.V_c,xi
+    #   + (g_n/c) e_t e_n.V_c,xixi
+    # Terms with 0 are columns XI_0, SIZE_0 times the rates of the history; kappa (V^T n) of the print is
+    # column LENGTH times l'/l, the rate of the boundary element with its tangential stretch.
     on_n = length * (pressure_r + turn * shear)
     on_t = length * (shear_r - turn * pressure)
     if column == LENGTH:
@@ -145,11 +182,12 @@ def linearize_contact_point(
     """Derivatives of force and history of one point with respect to all its inputs.
 
     The force is T = length [w_n g_n e_n + tau nu e_t], Eq. (29); with dx alone its columns are the
-    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66):
+    tangents (35), (36), (41), with the rest they are the fictitious loads (57), (63), (66), of which
+    ``_fill_column`` has the terms:
 
-    - X, Y: dT/dx, normal (35), stick (36) and slip (41); the paper prints e_n e_n^T for the e_n e_t^T
-      of (36).
-    - The same columns times the design velocity: the terms of (57), (63), (66) with V at the point.
+    - X, Y: dT/dx, normal (35), stick (36) and slip (41).
+    - The same columns times V + z': Eqs. (51), (56) of (50); times V alone: the terms of (57), (63),
+      (66) with V.
     - XI_0, SIZE_0 and the variable carried: what the previous step passes on, through Eq. (60).
     - LENGTH: T over its length; l' of the tributary length is kappa (V^T n) of the printed loads.
     - Penalties and friction: the law; shape parameters: V_c of the profile, Eqs. (52), (53).
@@ -252,7 +290,9 @@ def contact_points(
         state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
         forced_to_stick += made
         kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
-        # T = l (w_n g_n e_n + tau nu e_t), nu = |t||t0|/c, Eqs. (22), (29)
+        # T.dx = w_n g_n dg_n + tau dg_t   Eq. (21), dg_n = e_n.dx, dg_t = nu e_t.dx   Eqs. (23), (26):
+        # T = l (w_n g_n e_n + tau nu e_t), nu = |t||t0|/c   Eqs. (22), (27), (29), the sum b_N + b_T of
+        # (30) with tau = w_t g_t, (61), or of (38) with tau = omega_t g_n, (40), (64); b_N is (50)
         shear = tau * size * carried[1] / c
         for a in range(2):
             force[i, a] = length[i] * (law.normal_penalty * g_n * e_n[a] + shear * e_t[a])

@@ -92,7 +92,8 @@ class DirectSweep:
 
     def _solved(self, step, terms, found, load) -> tuple:
         """d' of Eq. (70), and the rates of every term with it."""
-        # K_n d'_n = -f'_n   Eq. (70)
+        # (a + b - l)' = a* + a'_V + b* + b'_V - l'_V = 0   Eqs. (46), (47), (67), b_N' by (58), b_T' by
+        # (62) or (65): K_n d'_n is a* + b* at z'   Eq. (68), f'_n the rest; K_n d'_n = -f'_n   Eq. (70)
         solution = -converged_factor(self.problem, step).solve(load[:-1])
         # x' = X' + B' d + B d', then L again
         found = [term.solved(own, solution) for term, own in zip(terms, found, strict=True)]

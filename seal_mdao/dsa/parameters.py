@@ -12,7 +12,7 @@ class ParameterRates:
     Attributes
     ----------
     velocity : ndarray, shape (P, n, 2)
-        Design velocity V of the particles, Eq. (48).
+        Design velocity V of the particles.
     names : tuple of str
         Scalar parameters of the terms.
     scalars : ndarray, shape (len(names), P)

@@ -104,6 +104,7 @@ class DeadLoadTerm(PointTerm):
         return PointResponse(x, self._force(fraction), tangent, branch, None, np.empty((len(x), 0)))
 
     def linearize(self, response, fraction, history, points):
+        # l'_V(z-bar) = sum_i z-bar_i . (lambda L_i q_i)'   Eq. (47), with R = -l: columns x (zero), L, q
         out, size = np.zeros((points.size, *self.local_shape)), at_fraction(self.ramp, fraction)
         out[:, :, 2] = -size * self.density[points]
         if self.names:

@@ -111,7 +111,8 @@ def correction_polynomials(moments, inverse, scale, b):
     With them Phi = p phi_a and Phi_,j = p_j phi_a + p phi_a,j."""
     m = inverse.shape[0]
     for a in range(m):
-        # q = M^-1 H(0), H(0) = (1, 0, ...)   Eqs. (7), (9)
+        # q = M^-1 H(0), H(0) = (1, 0, ...)   Eqs. (7), (9): sum_I Phi_I H(x - X_I) = M q = H(0), the
+        # reproducing conditions (6)
         b[0, a] = inverse[a, 0]
     for j in range(1, b.shape[0]):
         for a in range(m):

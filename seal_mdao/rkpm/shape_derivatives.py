@@ -244,7 +244,7 @@ def forward_shape_functions(
     own : Coefficients
         Of these groups.
     velocity, point_velocity : ndarray, shapes (P, n_particles, 2), (P, n_points, 2)
-        Design velocities V of Eq. (48) at the particles and at the points of the complete table.
+        Design velocities V at the particles and at the points of the complete table.
     active, dstart : ndarray of int
         Parameters that touch group g: ``active[dstart[g, 0]:dstart[g + 1, 0]]``;
         ``dstart[g, 1]`` is where its entries begin in ``dphi``.

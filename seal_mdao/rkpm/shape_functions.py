@@ -159,7 +159,8 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, invers
             for i in range(n):
                 p = polynomial_value(b, 0, h, i)
                 if phi.size > 0:
-                    # Phi_I = C phi_a   Eq. (13)
+                    # Phi_I = C phi_a, so z^R = sum_I Phi_I d_I   Eq. (13): the integral (11) as the sum
+                    # (12) over particles with Delta x_I = 1, here and in M
                     phi[at + i] = p * k[0, i]
                 for j in range(1, rows):
                     p_j = polynomial_value(b, j, h, i)

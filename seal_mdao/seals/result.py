@@ -567,6 +567,7 @@ def analyze_particles(
         discretization = discretize(seal.body, particles, terms)
     problem = PathProblem(discretization, terms, seal.imposed())
     try:
+        # a + b = l at this design, at every step   Eq. (45), for the nominal one (43)
         path = solve_path(
             problem, seal.n_steps, seal.newton, factor_memory, callback, known.resume, known.states,
             known.near,

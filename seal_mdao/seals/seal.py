@@ -48,7 +48,7 @@ class Seal:
     """A body under terms of equilibrium, with its design parameters.
 
     Particles are linear in the design parameters, X = X0 + sum_p offset_p V_p, so the design velocity V
-    of Eq. (48) is constant.
+    is constant.
 
     Attributes
     ----------

@@ -167,7 +167,7 @@ class LinearizedPoints(LinearizedTerm):
 
     def rates(self, design: PointDesign, history, prescribed, load) -> Outputs:
         points, x = self.points, design.x[self.points]
-        # x' = X' + B' d, and B d' of imposed displacements
+        # x' = V + z' with V = X', z' = B' d + B d'   Eq. (48): at fixed d, B d' of imposed displacements
         add_displacement_rates(self.table, points, design.phi, self.step.d, x)
         if prescribed is not None:
             add_field(self.table, points, self.layout.every_component.equations, prescribed, x)
@@ -186,7 +186,8 @@ class LinearizedPoints(LinearizedTerm):
         return found
 
     def solved(self, found: Outputs, solution: np.ndarray) -> Outputs:
-        # x' first: what moves with the body cancels in it, and not in products with large penalties
+        # x' += B d'   Eq. (48), complete before L: what moves with the body cancels in it, and not in
+        # products with large penalties
         add_field(self.table, self.points, self.equations, solution, self.given.x)
         return self.law @ self.given
 

@@ -1,4 +1,5 @@
-"""Contact form b(z, z-bar) and its tangent b*(z; dz, z-bar), Eqs. (29), (37), (42), in the equations."""
+"""Add forces and tangents of single points to the equations: of contact its form b(z, z-bar), Eq. (29),
+and the bilinear form b*(z; dz, z-bar), Eqs. (37), (42)."""
 
 from seal_mdao.compilation import compiled
 
@@ -29,7 +30,7 @@ def assemble_points(table, point_force, point_tangent, state, scatter, force, va
         for a in range(n):
             for c in range(2):
                 at = scatter.equations[table.neighbours[s0 + a], c]
-                # f_Ic += Phi_I s_c   Eqs. (29), (37)
+                # f_Ic += Phi_I s_c: b(z, z-bar) in stick (30) or slip (38)   Eq. (29)
                 force[at] += table.phi[s0 + a] * point_force[i, c]
         if values.size == 0:
             continue
@@ -38,7 +39,7 @@ def assemble_points(table, point_force, point_tangent, state, scatter, force, va
             for b in range(n):
                 at = (e * n + b) * 2 * n
                 for c in range(2):
-                    # K_(Ic)(Je) += Phi_I (ds_c/dx_e) Phi_J   Eq. (42)
+                    # K_(Ic)(Je) += Phi_I (ds_c/dx_e) Phi_J: b* = b_N* + b_T*   Eqs. (37), (42), (68)
                     weight = point_tangent[i, c, e] * table.phi[s0 + b]
                     for a in range(n):
                         values[slots[at + c * n + a]] += weight * table.phi[s0 + a]

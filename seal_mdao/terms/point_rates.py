@@ -74,7 +74,7 @@ def add_force_rates(table, points, rates, force, force_rate, branch, equations, 
             for c in range(2):
                 row = out[equations[table.neighbours[table.start[i] + a], c]]
                 for p in range(out.shape[1]):
-                    # f'_Ic += Phi_I s_c'
+                    # f'_Ic += Phi_I s_c': b'_V = b'_N + b'_T with s = T of contact   Eq. (69)
                     row[p] += phi * force_rate[k, c, p]
                 for p in range(count):
                     # f'_Ic += Phi_I' s_c

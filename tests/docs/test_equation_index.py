@@ -1,6 +1,8 @@
 """Every numbered equation of the paper has a line, every function in it exists."""
 
 import re
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -26,6 +28,19 @@ def test_every_function_exists(index, equations):
     for equation in equations:
         for name in equation.functions:
             assert callable(index.resolve(name)), f"({equation.number}): {name}"
+
+
+def test_every_computed_equation_is_cited_by_its_number_in_a_file_that_computes_it(
+    index, equations
+):
+    """As (12), which no call has before it, and not inside of a range such as (10)-(13)."""
+    for equation in equations:
+        files = {
+            sys.modules[index.resolve(name).__module__].__file__ for name in equation.functions
+        }
+        number = re.compile(rf"(?<![\w\])-])\({equation.number}\)(?!-)")
+        texts = [Path(file).read_text(encoding="utf-8") for file in files]
+        assert not texts or any(map(number.search, texts)), f"({equation.number}): {files}"
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 Offsets along the ray, not positions, are the variables: zero is the nominal seal. The outer spline is
 clamped from one base corner to the other with both end values held at zero; the inner one is
 periodic. The particles between follow by the isoparametric (linear) map across the wall, so the
-particles are linear in the parameters and the design velocity V of Eq. (48) is constant.
+particles are linear in the parameters and the design velocity V is constant.
 """
 
 from dataclasses import dataclass
