@@ -53,7 +53,7 @@ class AnalysisCache:
         keep_factors: bool = False,
         callback: Callable | None = None,
     ) -> SealResult:
-        """As ``seal_mdao.analyze``."""
+        """Analyse a design as ``seal_mdao.analyze``, or return the cached result."""
         return analyzed_with(
             self.analyze_particles, seal, boundary_offsets, parameters, keep_factors, callback
         )

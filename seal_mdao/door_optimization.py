@@ -1,4 +1,4 @@
-"""Problem (71) of the door seal: close the gap, within stress, area and size limits."""
+"""Problem (71) of the door seal: close the gap, with limits of stress, area and offsets."""
 
 from dataclasses import asdict, dataclass
 

@@ -14,11 +14,12 @@ class SealFileError(ValueError):
 
 
 class TooLargeError(ValueError):
-    """An analysis that does not fit into the memory of the machine, or takes days."""
+    """An analysis that needs more than the memory of the machine, or more than the allowed
+    hours."""
 
 
 class LoadPathError(RuntimeError):
-    """The load path could not be completed.
+    """An analysis that could not be completed up to the last load step.
 
     Attributes
     ----------
@@ -32,4 +33,4 @@ class LoadPathError(RuntimeError):
 
 
 class KinkWarning(UserWarning):
-    """Derivatives at a kink of the measures, where those of the two sides differ."""
+    """Derivatives at a kink, where those on its two sides differ."""

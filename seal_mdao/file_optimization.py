@@ -1,4 +1,5 @@
-"""``[optimize]`` of a seal file: what is optimised over the parameters of its ``[[design]]``."""
+"""Optimisation problem of the table ``[optimize]`` of a seal file, over the parameters of
+``[[design]]``."""
 
 import hashlib
 import tomllib
@@ -28,7 +29,7 @@ FILLING = ("spacing", "layers", "edge_spacing", "quadrature")
 
 
 def file_task(file: SealFile, nominal: SealResult) -> Task:
-    """Set up the optimisation that a seal file asks for.
+    """Set up the optimisation that a seal file defines.
 
     Parameters
     ----------
@@ -77,7 +78,8 @@ def _limit(where: str, constraint, start: dict) -> Limit:
 
 
 def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
-    """A design analysed with new particles: what its numbers owe to those that it was optimised with.
+    """Analyse a design with new particles, to estimate the influence of those that it was optimised
+    with.
 
     Parameters
     ----------
@@ -99,7 +101,8 @@ def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
 
 
 def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple[tuple, dict]:
-    """Measures of ``[optimize]`` with their places, and their values in the nominal seal by name.
+    """Return the measures of ``[optimize]`` with their evaluation points, and their values in the
+    nominal seal by name.
 
     Raises
     ------
@@ -148,7 +151,7 @@ def _require_gap(file, measures, start) -> None:
 
 
 def force_targets(file: SealFile, seal: Seal) -> list[ForceTarget]:
-    """List target curves and bounds of forces at travels that the optimisation asks for."""
+    """List target curves and bounds of forces at travels that the optimisation uses."""
     known, found = {measure.name: measure for measure in seal.standard}, []
     aim = known[file.optimize.minimize]
     if isinstance(aim, LoadDeflectionError):
@@ -167,20 +170,21 @@ def force_targets(file: SealFile, seal: Seal) -> list[ForceTarget]:
 
 
 def measure_names(file: SealFile) -> tuple:
-    """Measures that the optimisation looks at, each once."""
+    """Return the names of the measures that the optimisation uses, each once."""
     constraints = (constraint.measure for constraint in file.optimize.constraints)
     return tuple(dict.fromkeys([file.optimize.minimize, *constraints]))
 
 
 def design_bounds(file: SealFile, seal: OutlineSeal) -> np.ndarray:
-    """Largest value of every design parameter of the seal of a file, mm."""
+    """Return the largest value of every design parameter of the seal of a file, mm."""
     # every design has as many parameters as its seal says
     pairs = zip(file.designs, seal.design_sizes, strict=True)
     return np.concatenate([np.full(size, design.bound) for design, size in pairs])
 
 
 def problem_settings(file: SealFile) -> dict:
-    """What a recorder file keeps of the seal file: its text, checksums of the files that it names."""
+    """Return what a recorder file stores of the seal file: its text, and checksums of the files
+    that it names."""
     text, folder = file.path.read_text(encoding="utf-8"), file.path.parent
     # drawing, cloud, tests of materials, target curves
     sums = {

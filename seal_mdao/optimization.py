@@ -1,4 +1,5 @@
-"""Optimisation of any seal as an OpenMDAO problem: what is optimised, how it is run, one builder."""
+"""Optimisation of any seal as an OpenMDAO problem: task, options of a run, and the function that
+builds it."""
 
 import json
 from collections.abc import Callable
@@ -35,17 +36,18 @@ closed gap leaves about this much. What can still be gained then is at most the 
 
 
 def uno_driver(max_iterations: int = 100) -> Driver:
-    """SQP of Uno, the default."""
+    """Create the driver with the SQP method of Uno, the default."""
     return UnoDriver(tol=OPTIMALITY, feas_tol=TOLERANCE, maxiter=max_iterations)
 
 
 def ipopt_driver(max_iterations: int = 100) -> Driver:
-    """IPOPT; needs the extra ``ipopt``."""
+    """Create the driver with IPOPT; needs the extra ``ipopt``."""
     return IpoptDriver(tol=OPTIMALITY, feas_tol=TOLERANCE, maxiter=max_iterations)
 
 
 def slsqp_driver(max_iterations: int = 60) -> Driver:
-    """SciPy's SLSQP, which stops when the objective no longer changes, be it optimal or not."""
+    """Create the driver with SciPy's SLSQP, which stops when the objective no longer changes,
+    optimal or not."""
     return SlsqpDriver(tol=TOLERANCE, maxiter=max_iterations)
 
 
@@ -83,7 +85,7 @@ class Limit:
 
     @property
     def sides(self) -> dict:
-        """The bounds that there are, by the names of ``add_constraint``."""
+        """Bounds that are given, by the argument names of ``add_constraint``."""
         both = {"lower": self.lower, "upper": self.upper}
         return {side: value for side, value in both.items() if value is not None}
 
@@ -95,7 +97,7 @@ class Limit:
         return more if self.entry is None else more | {"indices": [self.entry]}
 
     def satisfied(self, values: np.ndarray) -> np.ndarray:
-        """In which samples of values (n, m) the limits are kept, shape (n,)."""
+        """Return which samples of values (n, m) satisfy the limits, shape (n,)."""
         own = values if self.entry is None else values[:, [self.entry]]
         # l <= m <= u, without a bound always
         low = -np.inf if self.lower is None else self.lower
@@ -105,7 +107,7 @@ class Limit:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What is optimised, nominally or robustly.
+    """Optimisation task: objective, design variables and limits, nominal or robust.
 
     Attributes
     ----------
@@ -138,13 +140,13 @@ class Task:
 
     @property
     def sampled(self) -> tuple[Limit, ...]:
-        """Limits that fresh samples keep to or not."""
+        """Limits that are verified on fresh samples."""
         return tuple(limit for limit in self.limits if limit.over in (MEAN, SHARE))
 
 
 @dataclass(frozen=True, eq=False)
 class RunOptions:
-    """How an optimisation is run.
+    """Options of an optimisation run.
 
     Attributes
     ----------
@@ -171,7 +173,7 @@ class RunOptions:
     reports: object = None
 
     def analyze(self, seal: Seal) -> SealResult:
-        """Analyse the nominal seal, from which tasks take their limits.
+        """Analyse the nominal seal, from which tasks derive their limits.
 
         Raises
         ------
@@ -188,11 +190,11 @@ class Nominal:
 
     @property
     def settings(self) -> dict:
-        """What a recorder file keeps."""
+        """Settings stored in a recorder file."""
         return {}
 
     def model(self, task: Task, run: RunOptions) -> om.Group:
-        """Build the group that gives objective and measures."""
+        """Build the group that computes objective and measures."""
         return SealGroup(
             seal=task.seal, callback=run.callback, measures=task.measures, cache=run.cache
         )
@@ -256,7 +258,7 @@ def record_run(problem: om.Problem, recorder) -> None:
 
 
 def continue_run(problem: om.Problem, cases: Path) -> None:
-    """Let the next run continue the one recorded in ``cases``, whatever the seal and the folder.
+    """Let the next run continue the one recorded in ``cases``, for any seal and folder.
 
     Raises
     ------
@@ -273,6 +275,7 @@ def continue_run(problem: om.Problem, cases: Path) -> None:
 
 
 def major_iterations(problem: om.Problem) -> int | None:
-    """Major iterations that the optimiser itself counted, None when it does not tell."""
+    """Return the number of major iterations counted by the optimiser; None if it does not report
+    it."""
     driver = problem.driver
     return driver.result.iter_count if isinstance(driver, OptimizerDriver) else None

@@ -1,4 +1,5 @@
-"""Robust optimisation: a seal over scenarios of its tolerances in place of the nominal one."""
+"""Robust optimisation: evaluate a seal in scenarios of its tolerances instead of the nominal
+one."""
 
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
@@ -23,7 +24,7 @@ GOALS = MEAN_STD, WORST = "mean_std", "worst"
 
 @dataclass(frozen=True)
 class RobustGoal:
-    """What a robust design is asked for.
+    """Requirements of a robust design.
 
     Attributes
     ----------
@@ -65,7 +66,7 @@ class RobustGoal:
         return tuple(ndtr(ndtri([outside, 1.0 - outside]) / self.widen).round(3).tolist())
 
     def scenarios(self, tolerances: Tolerances, seal: Seal, count: int, seed: int) -> Scenarios:
-        """The drawing, and ``count`` scenarios around the middle of the tolerances.
+        """Create the scenarios: the nominal one, and ``count`` around the middle of the tolerances.
 
         Parameters
         ----------
@@ -84,7 +85,7 @@ class RobustGoal:
 
 
 def nominal_numbers(variations: tuple, seal: Seal) -> np.ndarray:
-    """Numbers of variations that change nothing, shape (len(variations),).
+    """Return the numbers of variations that change nothing, shape (len(variations),).
 
     Raises
     ------
@@ -126,13 +127,13 @@ class Robust:
 
     @property
     def settings(self) -> dict:
-        """What a recorder file keeps."""
+        """Settings stored in a recorder file."""
         return {
             "robust": asdict(self.goal), "scenarios": len(self.scenarios), "label": self.label
         }  # fmt: skip
 
     def model(self, task: Task, run: RunOptions) -> om.Group:
-        """Build the group that gives objective and measures."""
+        """Build the group that computes objective and measures."""
         model = om.Group()
         group = ScenarioGroup(
             seal=task.seal, scenarios=self.scenarios, measures=task.measures,

@@ -1,1 +1,1 @@
-"""Estimated errors of measures by particles, load steps and penalties."""
+"""Estimated errors of measures caused by particles, load steps and penalties."""

@@ -32,7 +32,7 @@ STEPS, PENALTIES = 0.25, 0.05
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """A cloud that was tried.
+    """Cloud that was analysed during the choice of the spacing.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Cloud:
     estimates: dict[str, ErrorEstimate]
 
     def worst(self, names) -> tuple[str, float]:
-        """Find the measure of ``names`` with the largest relative error bar, and that.
+        """Find the measure of ``names`` with the largest relative error bar, and this error bar.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Estimate the error of every measure of a seal by its particles, its load steps and its penalties.
+"""Estimate the errors of all measures of a seal caused by its particles, load steps and penalties.
 
     particles   4/3 (m_h - m_(h/2)), both in the same few load steps: the error falls with the square of
                 the spacing h of the particles, so m_h - m = 4/3 (m_h - m_(h/2))
@@ -65,21 +65,21 @@ class ErrorEstimate:
 
     @property
     def parts(self) -> dict:
-        """Parts of the error by their names, None where not known."""
+        """Parts of the error by their names; None for parts that are not known."""
         return {
             "particles": self.particles, "load_steps": self.load_steps, "penalties": self.penalties
         }  # fmt: skip
 
     @property
     def error(self) -> np.ndarray | None:
-        """Sum of all parts with their signs, shape (m,); None where one is not known."""
+        """Sum of all parts with their signs, shape (m,); None if one is not known."""
         parts = list(self.parts.values())
         return None if any(part is None for part in parts) else np.sum(parts, axis=0)
 
     @property
     def bar(self) -> np.ndarray | None:
-        """Sum of the amounts of all parts, the half-width of an error bar, shape (m,); None where one is
-        not known."""
+        """Sum of the absolute values of all parts, the half-width of an error bar, shape (m,); None
+        if one is not known."""
         # parts of opposite sign do not make an error bar shorter
         parts = list(self.parts.values())
         return None if any(part is None for part in parts) else np.abs(parts).sum(axis=0)
@@ -133,7 +133,7 @@ def estimate_errors(
 
 
 class ComparedPaths:
-    """The paths in few load steps that are compared with each other and with that of a result.
+    """Load paths with few load steps that are compared with each other and with that of a result.
 
     Parameters are those of ``estimate_errors``.
 
@@ -196,7 +196,8 @@ class ComparedPaths:
         return True
 
     def near(self, seal: Seal, near: Prolongation) -> SealResult:
-        """Analyse a seal whose iterations begin at another path; its own path may end early."""
+        """Analyse a seal with iterations that start from the states of another path; its own path
+        may end early."""
         self.number += 1
         report = getattr(self.callback, "begin_analysis", None)
         if report is not None:
@@ -213,7 +214,7 @@ class ComparedPaths:
 
 
 def some_ends(seal: Seal, count: int) -> np.ndarray:
-    """Select about ``count`` even ones of the load steps of a seal, and the ends of its stages.
+    """Select about ``count`` evenly distributed load steps of a seal, and the ends of its stages.
 
     Returns
     -------
@@ -228,7 +229,7 @@ def some_ends(seal: Seal, count: int) -> np.ndarray:
 
 
 def alike(fine: Seal, seal: Seal) -> Seal:
-    """Give a seal of the same file the parameters of another, the chosen penalties included."""
+    """Return the refined seal with the parameters of the other seal, chosen penalties included."""
     known = fine.scalars
     same = {name: own.value for name, own in seal.scalars.items() if name in known}
     return fine.with_parameters(same)

@@ -1,4 +1,4 @@
-"""Cyclic tests: how they are recognised, and the response of a rubber that softens to them."""
+"""Cyclic tests: detection of unloadings, and the response of a rubber with softening."""
 
 from dataclasses import dataclass
 

@@ -87,7 +87,7 @@ class MaterialTests:
 
     @property
     def cycles(self) -> str:
-        """What a cyclic test is, for messages."""
+        """Description of a cyclic test for messages."""
         counts = [f"{d.unloadings} of {name}" for name, d in self.modes.items() if d.unloadings]
         return f"this is a cyclic test, with unloadings: {', '.join(counts)}"
 

@@ -1,4 +1,4 @@
-"""The laws that can be fitted: unknown constants, their bounds, and random starting points.
+"""Laws that can be fitted: unknown constants, their bounds, and random starting points.
 
 The stress is linear in all moduli; only exponents, limits and Poisson's ratios make a fit nonlinear.
 A starting point therefore samples those alone, and the best moduli follow from a linear problem.

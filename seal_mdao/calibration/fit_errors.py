@@ -1,5 +1,5 @@
-"""Differences between computed and measured stress of a fitted law: errors by mode, and a table
-reading by reading with detection of outliers."""
+"""Differences between computed and measured stress of a fitted law: errors by mode, and a table of
+all readings with detection of outliers."""
 
 import csv
 from dataclasses import asdict, dataclass, fields

@@ -87,7 +87,8 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Result of one start; ``law`` is an ``Isotropic`` or a ``SoftenedLaw``."""
+    """Result of the fit from one starting point; ``law`` is an ``Isotropic`` or a
+    ``SoftenedLaw``."""
 
     law: Isotropic | SoftenedLaw
     cost: float
@@ -105,7 +106,8 @@ def fit(
     progress: Callable | None = None,
     **options,
 ) -> Fit:
-    """Fit a law by nonlinear least squares from many starts; the same call gives the same bits.
+    """Fit a law by nonlinear least squares from many starting points; equal calls give bitwise
+    equal results.
 
     The result is the best stable minimum of all starts.
 

@@ -50,7 +50,7 @@ def fit_relaxation(
     entropic: bool = False,
     progress: Callable | None = None,
 ) -> RelaxationFit:
-    """Fit a Prony series by least squares in log time; the same call gives the same bits.
+    """Fit a Prony series by least squares in log time; equal calls give bitwise equal results.
 
     Every decade of time has the same weight. The number of terms minimises the Bayesian information
     criterion. Curves of several temperatures are placed on a master curve first; the shift function is

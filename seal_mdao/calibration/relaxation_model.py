@@ -47,7 +47,7 @@ def decay(time: np.ndarray, theta: np.ndarray, ramp: float) -> tuple[np.ndarray,
 
 
 def log_weights(time: np.ndarray) -> np.ndarray:
-    """Compute the interval of ln t for which every reading stands, at most a quarter of a decade.
+    """Compute the interval of ln t that every reading represents, at most a quarter of a decade.
 
     So a decade of time has the same weight whether a logger took ten readings in it or a thousand.
     """

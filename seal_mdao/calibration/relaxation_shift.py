@@ -56,7 +56,7 @@ class Shift:
 
 
 class Arrhenius(Shift):
-    """That of Arrhenius; its constant is the activation energy in kJ/mol."""
+    """Shift function of Arrhenius; its constant is the activation energy in kJ/mol."""
 
     name, names, law = "arrhenius", ("activation_energy",), viscoelastic.Arrhenius
 
@@ -66,7 +66,7 @@ class Arrhenius(Shift):
 
 
 class Wlf(Shift):
-    """That of Williams, Landel and Ferry; its constants are c1, and c2 in K."""
+    """Shift function of Williams, Landel and Ferry; its constants are c1, and c2 in K."""
 
     name, names, law = "wlf", ("c1", "c2"), viscoelastic.WilliamsLandelFerry
 

@@ -38,7 +38,8 @@ def fit_softening(
     progress: Callable | None = None,
     **options,
 ) -> Fit:
-    """Fit a law and its softening to all readings of cyclic tests; the same call gives the same bits.
+    """Fit a law and its softening to all readings of cyclic tests; equal calls give bitwise equal
+    results.
 
     The law is fitted to the first loading, and then all constants together to all readings. ``beta``
     is zero if the test has one amplitude, which determines only m + beta W_max. The parameters are those
@@ -96,7 +97,8 @@ def fit_softening(
 
 
 def first_loading(tests: MaterialTests) -> MaterialTests:
-    """Select the readings at the largest I1 so far of cyclic modes, and all of the others."""
+    """Select the readings of cyclic modes at which I1 exceeds all values before, and all readings
+    of the others."""
     modes = {}
     for name, data in tests.modes.items():
         own = distortion(MODES[name], data.stretch)

@@ -1,1 +1,1 @@
-"""OpenMDAO components: thin wrappers that translate units, names and errors."""
+"""OpenMDAO components of a seal, which convert units, names and errors."""

@@ -31,7 +31,8 @@ BESIDE = ("particles", "boundary_offsets", "area")
 
 
 class RkpmContactComp(RandomDirectionsComp):
-    """Frictional contact of a seal: particles and scalar parameters in, measures of the path out.
+    """Frictional contact analysis of a seal: inputs are particles and scalar parameters, outputs
+    are measures.
 
     The load path always starts from the undeformed state. The last converged path is cached, or more of
     them with the option ``cache``; partials at any other point first solve the path again.

@@ -24,7 +24,8 @@ SHARED = (
 
 
 class ScenarioGroup(DesignGroup):
-    """A seal from its design parameters to aggregates of its measures over scenarios.
+    """Group that computes aggregates of measures over scenarios from the design parameters of a
+    seal.
 
     Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the door
     seal) and those named in ``parameters``. Promoted outputs: ``area`` (mm**2) of the design itself, and

@@ -35,7 +35,7 @@ class DesignGroup(om.Group):
 
 
 class SealGroup(DesignGroup):
-    """A seal from its design parameters to its measures.
+    """Group that computes the measures of a seal from its design parameters.
 
     Promoted inputs: ``boundary_offsets`` (mm), the seal's own scalar inputs (``door_radius`` of the
     door seal) and those named in ``parameters``. Promoted outputs: ``particles`` (mm), ``area``

@@ -6,7 +6,7 @@ from seal_mdao.components.options import OffsetsComp
 
 
 class SplineGeometryComp(OffsetsComp):
-    """Particles of a seal, of the door seal or from outlines, from the offsets of its boundaries.
+    """Compute the particles of a seal from the offsets of its boundaries.
 
     particles = nominal particles + sum_p boundary_offsets[p] V_p, linear, with the design velocity V
     as constant sparse partials.

@@ -1,4 +1,4 @@
-"""The deformed boundary as a curve: cubic splines near its particles, and places near it.
+"""Deformed boundary as a curve of cubic splines near its particles, and points projected onto it.
 
     x_c(xi) = sum_b N_b(s) x_(a-2+b),    xi = a + s,  0 <= s < 1,  b = 0 ... 5
 
@@ -37,7 +37,7 @@ _SETTLED = 4.0 * np.finfo(float).eps
 
 
 class Rings(NamedTuple):
-    """Closed boundaries, their points numbered one after the other.
+    """Closed boundaries; their points are numbered consecutively.
 
     Attributes
     ----------
@@ -49,12 +49,12 @@ class Rings(NamedTuple):
     size: np.ndarray
 
     def step(self, points: np.ndarray, by: int) -> np.ndarray:
-        """Points so many places further along their rings."""
+        """Return the points a number of positions further along their rings."""
         first = self.first[points]
         return first + (points - first + by) % self.size[points]
 
     def coordinate_change(self, xi: np.ndarray, before: np.ndarray) -> np.ndarray:
-        """xi - xi0 the shorter way round; nan from one ring to another."""
+        """Compute xi - xi0 in the shorter direction; nan from one ring to another."""
         k = len(self.first)
         own, its = (np.minimum(value.astype(int), k - 1) for value in (xi, before))
         size = self.size[own]
@@ -65,14 +65,14 @@ class Rings(NamedTuple):
 
 
 def rings(sizes) -> Rings:
-    """Rings of so many points."""
+    """Build rings from the numbers of their points."""
     sizes = np.asarray(sizes, int)
     first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     return Rings(np.repeat(first, sizes), np.repeat(sizes, sizes))
 
 
 def cubics(s: np.ndarray, order: int) -> np.ndarray:
-    """N_0 ... N_5 or a derivative of them at s (m,), shape (m, 6)."""
+    """Evaluate N_0 ... N_5 or one of their derivatives at s (m,), shape (m, 6)."""
     coefficients = _CUBICS
     for _ in range(order):
         # d(s^k)/ds = k s^(k-1)
@@ -81,7 +81,7 @@ def cubics(s: np.ndarray, order: int) -> np.ndarray:
 
 
 def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
-    """Unit normals at the points of the boundary, out of the body, shape (k, 2)."""
+    """Compute outward unit normals at the points of the boundary, shape (k, 2)."""
     every = np.arange(len(x))
     # e_n = e_t turned clockwise, e_t along x_(i+1) - x_(i-1)
     along = x[ring.step(every, 1)] - x[ring.step(every, -1)]
@@ -89,7 +89,7 @@ def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
 
 
 def masters(segments: np.ndarray, ring: Rings) -> np.ndarray:
-    """The six particles of segments that begin at the given points, shape (m, 6)."""
+    """Return the six particles of the segments that begin at the given points, shape (m, 6)."""
     return np.column_stack([ring.step(segments, by) for by in range(-2, 4)])
 
 

@@ -1,4 +1,4 @@
-"""The nearest point of a cubic piece: all solutions of (18) on it, and the least distance of them.
+"""Closest point of a cubic piece: all solutions of Eq. (18) on it, and the smallest distance.
 
 On a piece (x_c - x).t is a polynomial of degree five in xi. Between neighbouring zeros of its
 derivative it is monotonic, and so on down to degree one: every zero is bracketed, none is missed, and
@@ -47,7 +47,7 @@ def _bracketed(p, degree, low, high, low_value):
 
 @internal
 def zeros_of_quintic(p, zeros):
-    """Zeros of sum_k p_k u^k, k = 0..5, for 0 < u <= 1.
+    """Compute the zeros of sum_k p_k u^k, k = 0..5, for 0 < u <= 1.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _end(coefficient, length, u, x, y, open_end):
 
 @internal
 def nearest_on_cubic(coefficient, length, x, y, open_start, open_end):
-    """Distance squared to the nearest point of a cubic piece, and its s = xi - start.
+    """Compute the squared distance to the closest point of a cubic piece, and its s = xi - start.
 
     An end that is nearest is continued along its tangent: s is then that of the projection on it.
     The distance is that to the end itself, or to the tangent where the profile is unbounded.

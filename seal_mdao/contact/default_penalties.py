@@ -1,4 +1,4 @@
-"""Contact penalties that follow from the body: its modulus over the distance of its particles.
+"""Default contact penalties from the modulus of the body and the distance of its particles.
 
 A contact of penalty w gives way by p/w under a pressure p, a body of size L and modulus E by about
 p L/E. With w = 1000 E/h the contact is some thousand times stiffer than the cells beside it.
@@ -17,7 +17,7 @@ SELF_RATIOS = {"normal_penalty": 30.0, "tangent_penalty": 3.0}
 
 
 def completed(definition, elastic, body, particles: np.ndarray):
-    """A contact with its open penalties, those that are None, in terms of E/h at its points.
+    """Return a contact whose penalties that are None are set in terms of E/h at its points.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def completed(definition, elastic, body, particles: np.ndarray):
 
 
 def stiffness_at(where, elastic, body, particles: np.ndarray) -> float:
-    """E/h of the stiffest material at some points and their mean tributary length, kPa/mm.
+    """Compute E/h of the stiffest material at some points from their mean tributary length, kPa/mm.
 
     E = 3 G, that of the undeformed incompressible material.
     """

@@ -39,7 +39,7 @@ FORCE_X, FORCE_Y, XI, SIZE, CARRIED, GAP = range(6)
 
 
 class ContactLaw(NamedTuple):
-    """Penalties, friction law, history rule.
+    """Contact law: penalties, friction law, and the rule for the friction history.
 
     A penalty that is None follows from the body when the contact becomes part of a seal
     (``contact.default_penalties``).
@@ -72,7 +72,7 @@ class ContactLaw(NamedTuple):
 
     @property
     def frictionless(self) -> bool:
-        """Whether there is no friction at all: Coulomb's law with a coefficient of zero."""
+        """Whether there is no friction: Coulomb's law with a coefficient of zero."""
         return not isinstance(self.friction, OTHER_LAWS) and self.friction == 0.0
 
     @property
@@ -99,7 +99,7 @@ class ContactLaw(NamedTuple):
         }
 
     def with_parameters(self, changed: dict) -> "ContactLaw":
-        """The law with some of its ``scalars`` changed; other names are left alone."""
+        """Return the law with some of its ``scalars`` changed; other names are ignored."""
         own = {name: changed[name] for name in self.scalars if name in changed}
         constants = {name: own.pop(name) for name in self.constants if name in own}
         if isinstance(self.friction, OTHER_LAWS):
@@ -107,7 +107,7 @@ class ContactLaw(NamedTuple):
         return self._replace(**own, **constants)
 
     def at(self, gap: np.ndarray) -> "ContactLaw":
-        """The law as kernels take it at points with normal gaps (k,)."""
+        """Return the law in the form of the kernels, for points with normal gaps (k,)."""
         if not isinstance(self.friction, OTHER_LAWS):
             return self
         # p = -w_n g_n
@@ -142,8 +142,8 @@ class ContactLaw(NamedTuple):
         return 0.5 * self.normal_penalty * float(length @ np.minimum(gap, 0.0) ** 2)
 
     def most_friction_work(self, slip, gaps, length) -> float:
-        """Bound from above the work of friction in an increment: its limit, mu p with Coulomb's law, at
-        the larger pressure times |slip|.
+        """Compute an upper bound of the friction work in an increment: the limit (mu p with
+        Coulomb's law) at the larger pressure times |slip|.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class ContactLaw(NamedTuple):
 
 
 class ContactHistory(NamedTuple):
-    """What a contact point carries from one converged step to the next.
+    """History variables of contact points that pass from one converged step to the next.
 
     Attributes
     ----------
@@ -182,12 +182,13 @@ class ContactHistory(NamedTuple):
 
 
 def no_history(n_points: int) -> ContactHistory:
-    """History of points that have never touched."""
+    """Return the history of points that have never touched."""
     return ContactHistory(np.zeros(n_points, np.int64), np.zeros((n_points, 3)))
 
 
 def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
-    """Which points' forces depend on the history they began the step with, from their states (n,).
+    """Return which forces depend on the history at the beginning of the step, from the contact
+    states (n,).
 
     In stick all of it is used. In slip the traction follows from the gap, but v = |t||t0|/c takes
     |t0|: it matters where |t| varies along the curve, that is on cubic pieces. d|t|/dx has the
@@ -198,7 +199,7 @@ def uses_history(speed_varies: bool, state: np.ndarray) -> np.ndarray:
 
 @inlined
 def elastic_slip(g_n, change, state_0, size_0, carried):
-    """Slip g_t of Eq. (19) plus what is carried, as if the point stuck; ``change`` is xi - xi0.
+    """Compute the trial slip g_t of Eq. (19) plus the carried elastic slip; ``change`` is xi - xi0.
 
     A point that was open slides only over the share g_n / (g_n - g_n0) of the step after it touched.
     """
@@ -238,7 +239,7 @@ def elastic_slip_rate(column, g_n, gap_r, change, change_r, state_0, size_0, car
 
 @internal
 def law_constants(limits):
-    """How many constants the friction law has: one of Coulomb's."""
+    """Return the number of constants of the friction law; one for Coulomb's."""
     if limits is None:
         return 1
     return limits.shape[2] - 2
@@ -246,8 +247,9 @@ def law_constants(limits):
 
 @internal
 def friction_limit(limits, law, i, g_n, g_t):
-    """The largest traction of point ``i`` against slip along g_t: mu w_n |g_n| of Eq. (28), or what
-    another law has in ``law.limits``, given apart for numba to leave out the one or the other."""
+    """Compute the largest traction of point ``i`` against slip along g_t: mu w_n |g_n| of Eq. (28),
+    or the value of another law in ``law.limits``, given separately so that numba omits the unused
+    branch."""
     if limits is None:
         # mu w_n |g_n|   Eq. (28)
         return -law.friction * law.normal_penalty * g_n

@@ -36,7 +36,7 @@ RESERVED = ("law", "normal_penalty", "tangent_penalty")
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """A friction law with the values of its constants; ``friction_law`` makes one by their names.
+    """Friction law with the values of its constants; ``friction_law`` builds one from their names.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class FrictionLaw:
 
     @property
     def name(self) -> str:
-        """That of the function."""
+        """Name of the function."""
         return getattr(self.limits, "__name__", repr(self.limits))
 
     @property
@@ -75,7 +75,7 @@ class FrictionLaw:
         return dict(zip(constant_names(self.limits), self.constants, strict=True))
 
     def with_constants(self, changed: dict) -> "FrictionLaw":
-        """The law with some constants changed."""
+        """Return the law with some constants changed."""
         return replace(self, constants=tuple((self.by_name | changed).values()))
 
     def at(self, pressure: np.ndarray) -> np.ndarray:
@@ -154,7 +154,8 @@ class FrictionLaw:
 
 
 def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
-    """Give a friction law its constants by name; those with a default may be left out.
+    """Build a friction law from its function and the values of its constants; those with a default
+    may be omitted.
 
     Raises
     ------
@@ -177,7 +178,7 @@ def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
 
 @cache
 def constant_names(limits: Callable) -> tuple:
-    """Names of the constants of a law: the arguments of its function behind the pressure.
+    """Return the names of the constants of a law: the arguments of its function after the pressure.
 
     Raises
     ------
@@ -198,7 +199,7 @@ def constant_names(limits: Callable) -> tuple:
 
 
 def constant_defaults(limits: Callable) -> dict:
-    """Defaults of those constants that have one."""
+    """Return the defaults of the constants that have one."""
     parameters = list(inspect.signature(limits).parameters.values())[1:]
     return {p.name: p.default for p in parameters if p.default is not p.empty}
 

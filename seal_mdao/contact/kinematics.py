@@ -1,4 +1,4 @@
-"""Contact kinematics: closest point (18), gap (17), the scalars (22) and all their rates.
+"""Contact kinematics: closest point (18), gap (17), the scalars (22) and their derivatives.
 
 The rates (23)-(26) for a moving body point and (52)-(55) for a moving design are one formula:
 ``rates`` takes the velocity of the body point relative to the curve, w = V - V_c + z', and the
@@ -150,7 +150,7 @@ def closest_point(profile, x, y):
 
 @compiled
 def normal_gaps(profile, pose, x, gap):
-    """Normal gaps (n,) of the points ``x`` (n, 2), Eq. (17)."""
+    """Compute the normal gaps (n,) of the points ``x`` (n, 2), Eq. (17)."""
     for i in range(len(x)):
         own = in_frame(pose, x[i, 0], x[i, 1])
         gap[i] = closest_point(profile, own[0], own[1])[2]
@@ -158,7 +158,7 @@ def normal_gaps(profile, pose, x, gap):
 
 @inlined
 def whole_turns(profile, xi, xi_0):
-    """Ways round a closed profile to leave out of xi - xi0."""
+    """Compute the number of complete turns around a closed profile to subtract from xi - xi0."""
     if profile.period == 0.0:
         return 0.0
     return np.floor((xi - xi_0) / profile.period + 0.5)
@@ -166,13 +166,13 @@ def whole_turns(profile, xi, xi_0):
 
 @inlined
 def coordinate_change(profile, xi, xi_0):
-    """xi - xi0, round a closed profile the shorter way."""
+    """Compute xi - xi0, on a closed profile in the shorter direction."""
     return xi - xi_0 - whole_turns(profile, xi, xi_0) * profile.period
 
 
 @inlined
 def contact_frame(profile, piece, xi, g_n):
-    """e_t and e_n (pairs) and the scalars (22): |t|, alpha, beta, gamma, c."""
+    """Compute e_t and e_n (pairs) and the scalars (22): |t|, alpha, beta, gamma, c."""
     _, t, x2, x3 = curve_point(profile, piece, xi)
     size = (t[0] * t[0] + t[1] * t[1]) ** 0.5
     # e_t = t / |t|,  e_n = e_t turned clockwise
@@ -220,7 +220,7 @@ def linearized_positions(profile, pose, x, place, normal, gap):
 
 @inlined
 def rates(e_t, e_n, size, alpha, beta, gamma, c, g_n, w, v1, v2):
-    """Rates of the contact kinematics.
+    """Compute the derivatives of the contact kinematics.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ class Kinks(NamedTuple):
 
 
 def rounding_of(size: float) -> float:
-    """Rounding of a gap between coordinates of ``size``, mm."""
+    """Compute the rounding error of a gap between coordinates of ``size``, mm."""
     return 0.5 * OPERATIONS * np.finfo(float).eps * size
 
 
@@ -61,7 +61,7 @@ def _limit_by_gap(limits, law, i, slip):
 
 @compiled
 def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
-    """Find the points whose gap or slip margin is zero within rounding; returns how many there are.
+    """Find the points whose gap or slip margin is zero within rounding, and count them.
 
     Parameters
     ----------
@@ -101,6 +101,6 @@ def find_kinks(period, law, gap, xi, state_0, variables_0, rounding, found):
 
 
 def no_kinks(n_points: int) -> Kinks:
-    """Nothing of ``n_points`` points."""
+    """Return the empty ``Kinks`` of ``n_points`` points."""
     none = np.empty(0, int)
     return Kinks(none, np.empty((0, n_points, 2)), np.empty(0, bool), none)

@@ -44,7 +44,7 @@ SLACK = 0.01
 
 @dataclass(frozen=True, eq=False)
 class RigidContact(TermDefinition):
-    """A rigid profile that moves, and the boundary points that may touch it.
+    """Contact of boundary points with a moving rigid profile.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class RigidContact(TermDefinition):
         return law | shape | motion
 
     def with_parameters(self, values: dict) -> "RigidContact":
-        """The contact with some of its parameters changed."""
+        """Return the contact with some of its parameters changed."""
         own = {name.removeprefix(self.prefix): value for name, value in values.items()}
         shape = {name: own[name] for name in self.shape.names if name in own}
         motion = {name: values[name] for name in self.motion.names if name in values}
@@ -106,7 +106,7 @@ class RigidContact(TermDefinition):
         )  # fmt: skip
 
     def with_ends(self, ends) -> "RigidContact":
-        """The contact with its motion in other load steps."""
+        """Return the contact with other load steps of its motion."""
         return replace(self, motion=self.motion.with_ends(ends))
 
     def point_set(self):
@@ -114,7 +114,7 @@ class RigidContact(TermDefinition):
         return self.where.moving
 
     def on(self, discretization, index) -> "ContactTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         self.law.require_penalties(self.label)
         return ContactTerm(self, discretization, index)
 
@@ -136,7 +136,7 @@ class ContactResponse(PointResponse):
 
 
 class ContactTerm(PointTerm):
-    """A ``RigidContact`` on one design. A force is that of the body on the profile."""
+    """``RigidContact`` of one design. Forces are those of the body on the profile."""
 
     history_size = 3
     output_names = ("gap",)

@@ -1,4 +1,4 @@
-"""Self-contact of a section, with friction: any of its boundaries on any other, or on itself.
+"""Self-contact of a section with friction, between any of its boundaries or within one.
 
 Symmetric two-pass formulation: every boundary point is a slave and every segment of the deformed
 boundary a master, so each pair of touching walls is evaluated twice, with half of the penalties and
@@ -102,7 +102,7 @@ class SelfContact(TermDefinition):
         return {f"{self.label}_{name}": scalar for name, scalar in self.law.scalars.items()}
 
     def with_parameters(self, values: dict) -> "SelfContact":
-        """The contact with another law."""
+        """Return the contact with other parameters of its law."""
         own = {name.removeprefix(f"{self.label}_"): value for name, value in values.items()}
         return replace(self, law=self.law.with_parameters(own))
 
@@ -111,7 +111,7 @@ class SelfContact(TermDefinition):
         return self.where.points
 
     def may_touch(self) -> np.ndarray:
-        """Which point may touch near which, shape (k, k)."""
+        """Return which points may touch the boundary near which points, shape (k, k)."""
         # both points may touch and are not neighbours on one boundary
         found = np.outer(self.touching, self.touching)
         if self.pair_of is not None:
@@ -154,13 +154,13 @@ class SelfContact(TermDefinition):
         return np.argwhere(reached)
 
     def on(self, discretization, index) -> "SelfContactTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         self.law.require_penalties(self.label)
         return SelfContactTerm(self, discretization, index)
 
 
 class SelfContactTerm(CoupledTerm):
-    """A ``SelfContact`` on one design; forces are those that join the residual."""
+    """``SelfContact`` of one design; forces are those in the residual."""
 
     history_size = 3
     touches_itself = True
@@ -185,12 +185,12 @@ class SelfContactTerm(CoupledTerm):
 
     @property
     def history_dependent(self) -> bool:
-        """Without friction nothing depends on the history."""
+        """Whether forces depend on the history; without friction they do not."""
         return not self.law.frictionless
 
     @property
     def conservative(self) -> bool:
-        """Without friction its forces have a potential."""
+        """Whether forces have a potential, which is so without friction."""
         return self.law.frictionless
 
     def potential(self, d, response) -> float:

@@ -70,7 +70,8 @@ class Touch(NamedTuple):
 
 
 def touch(law: ContactLaw, now: Kinematics, before: Before) -> Touch:
-    """Open, stick or slip, and the tangential traction, Eqs. (28), (29); ``law`` is that at the gaps."""
+    """Compute contact state (open, stick, slip) and tangential traction, Eqs. (28), (29), with the
+    ``law`` at the gaps."""
     m = len(now.gap)
     found = Touch(np.full(m, OPEN), np.zeros(m), np.zeros(m))
     _touch_points(law, now.gap, before, found)

@@ -1,4 +1,5 @@
-"""Self-contact in one linear step: the contact law as it is, gaps and slips linear in the displacements.
+"""Self-contact in one linear step: the exact contact law with gaps and slips linear in the
+displacements.
 
 With the kinematics of the last linearisation
 

@@ -1,1 +1,1 @@
-"""OpenMDAO drivers that converge although single analyses may fail."""
+"""OpenMDAO drivers that continue if single analyses fail."""

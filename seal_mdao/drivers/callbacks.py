@@ -81,14 +81,16 @@ class SolverCallbacks:
         return self._attempt(self._values, x)
 
     def derivatives(self, x: NDArray[np.float64]) -> tuple | None:
-        """Return gradient and Jacobian at ``x``, or None likewise."""
+        """Return gradient and Jacobian at ``x``, or None if the analysis fails or the run is to
+        stop."""
         found = self._attempt(self._derivatives, x)
         # if eager, they have been computed with the values: a failure is an ordinary one
         self.lost = self.lost or (found is None and not self.eager)
         return found
 
     def try_again(self) -> bool:
-        """Forget the failures: a restart takes other steps. Return whether there may be one."""
+        """Reset the count of failures for a restart with other steps; return whether one is
+        allowed."""
         self.stalled, self._failures = False, 0
         return not self.stopping
 

@@ -1,4 +1,4 @@
-"""IpoptDriver: Ipopt from a plain ``pip install``, for any OpenMDAO problem."""
+"""IpoptDriver: Ipopt by ``pip install``, for any OpenMDAO problem."""
 
 import numpy as np
 
@@ -45,7 +45,7 @@ MESSAGES = {
 
 
 class IpoptDriver(OptimizerDriver):
-    """Interior-point optimiser Ipopt, by way of ipyopt.
+    """Interior-point optimiser Ipopt, called through ipyopt.
 
     The Hessian is approximated (limited memory); ``opt_settings`` accepts any option of Ipopt. Driver
     and failures: see `OptimizerDriver`. Ipopt cannot reject a point that it has accepted; if the

@@ -1,4 +1,4 @@
-"""Kinks at which an optimiser ends: points where no smooth optimality condition can hold.
+"""Kinks at which an optimiser stops, where no smooth optimality condition can hold.
 
 Where a contact point changes its state, the derivatives of the two sides differ, and an optimum may lie
 at the kink itself. A bundle of gradients shows it (Burke, Lewis & Overton, SIAM J. Optim. 15, 2005): a
@@ -35,7 +35,7 @@ NAMED = 3
 
 
 class Side(NamedTuple):
-    """A point beside a kink, its gradient and Jacobian, and the states of the model there by name."""
+    """Point beside a kink with its gradient and Jacobian, and the states of the model there by name."""
 
     point: Evaluation
     totals: tuple

@@ -42,7 +42,8 @@ class SolverEnd:
 
 
 class OptimizerDriver(access.DriverHooks):
-    """Base class of drivers: continuous design variables with bounds, one objective, constraints.
+    """Base class of drivers for continuous design variables with bounds, one objective and
+    constraints.
 
     Equality, one- and two-sided and linear constraints, all with OpenMDAO's scaling, units, indices,
     aliases and total colouring. A failed analysis (AnalysisError, or a value that is not finite)

@@ -1,4 +1,4 @@
-"""SlsqpDriver: OpenMDAO's SLSQP with a line search that survives failed analyses."""
+"""SlsqpDriver: OpenMDAO's SLSQP with a line search that continues after failed analyses."""
 
 import sys
 

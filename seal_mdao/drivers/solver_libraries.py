@@ -13,7 +13,7 @@ MOST = 1e20
 
 
 def tolerance(name: str, value) -> None:
-    """Require a finite number of at least zero; like the next ones in OpenMDAO's signature."""
+    """Require a finite number of at least zero; signature as OpenMDAO's ``check_valid``."""
     values.real(f"option {name!r}", value, 0.0, below=MOST)
 
 

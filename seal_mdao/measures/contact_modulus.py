@@ -26,7 +26,7 @@ class ContactModulus:
 
     @cached_property
     def shares(self) -> np.ndarray:
-        """Fraction of every contact point that belongs to each region of material, shape (k, r)."""
+        """Fraction of every contact point that belongs to each material region, shape (k, r)."""
         anchors, weights = self.where.points.anchors, self.where.points.weights
         numbers = np.arange(len(self.regions))
         belongs = self.structure.particle_regions[anchors][..., None] == numbers

@@ -95,7 +95,7 @@ class ContactWidth(Measure):
 
 @dataclass(frozen=True)
 class ContactPressure(Measure):
-    """Contact pressure of patches of contact points: a mean of high order below the peak.
+    """Contact pressure of patches of contact points: a mean of high order, below the peak.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class PeakPressure(ContactPressure):
 
 
 def points_around_peak(gap: np.ndarray) -> int:
-    """Count the run of contact points in contact, gap < 0, around the deepest one."""
+    """Count the consecutive contact points with gap < 0 around the deepest one."""
     # a closed boundary begins at an open point
     gap = np.roll(gap, -int((gap >= 0.0).argmax()))
     opened, deepest = np.flatnonzero(gap >= 0.0), int(gap.argmin())
@@ -220,8 +220,8 @@ def points_around_peak(gap: np.ndarray) -> int:
 
 
 def unresolved_peaks(result) -> tuple[str, ...]:
-    """Warn of measured contact pressures whose peak lies among too few points in contact, one line for
-    each profile."""
+    """Warn of measured contact pressures whose peak has too few contact points, one line for each
+    profile."""
     measured = [own.profile for own in result.measures() if isinstance(own, ContactPressure)]
     lines = []
     for profile in dict.fromkeys(measured):

@@ -1,4 +1,4 @@
-"""Measures of fluids: pressure of trapped air, pressure at which a fluid blows through a seal."""
+"""Measures of fluids: pressure of trapped air, pressure at which a fluid penetrates a seal."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

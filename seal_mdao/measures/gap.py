@@ -117,7 +117,7 @@ class BetweenContacts(Measure):
         return contact_range(touching, is_closed(result.term(self.profile).where))
 
     def open_gaps(self, result) -> tuple[np.ndarray, np.ndarray]:
-        """Find the open ones of these points, and their gaps, mm."""
+        """Find the points among these that are not in contact, and their gaps, mm."""
         # a gap in contact contributes nothing
         points, response = self.stretch(result), result.response(self.profile)
         points = points[response.state[points] == OPEN]
@@ -126,7 +126,7 @@ class BetweenContacts(Measure):
 
 @dataclass(frozen=True)
 class OpenGapSquareSum(BetweenContacts):
-    """Sum of the squared gaps between contacts; continuously differentiable where a gap closes."""
+    """Sum of the squared gaps between contacts; continuously differentiable if a gap closes."""
 
     name: str = "gap_square_sum"
     units = "mm**2"

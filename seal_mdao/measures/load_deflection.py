@@ -62,7 +62,7 @@ class LoadDeflectionError(Derived):
 
 
 class ForceTarget(NamedTuple):
-    """What is asked of the force on a profile at some travels, for figures.
+    """Target or bounds of the force on a profile at some travels, for figures.
 
     Attributes
     ----------

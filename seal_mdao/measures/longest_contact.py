@@ -1,4 +1,4 @@
-"""Longest connected part of a contact on which the pressure is above a given one."""
+"""Longest connected part of a contact with a pressure above a given value."""
 
 from dataclasses import dataclass
 

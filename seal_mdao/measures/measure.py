@@ -1,4 +1,5 @@
-"""Contract of a measure: values of a load path and their partial derivatives in its results.
+"""Base class of measures: values of a load path and their partial derivatives with respect to its
+results.
 
 A measure is a small frozen object. It evaluates its values and fills in, through ``Partials``, their
 partial derivatives in displacements and F at the particles, in forces and outputs of terms, in the
@@ -148,7 +149,7 @@ class Measure:
 
     @property
     def scalars(self) -> dict:
-        """``Scalar`` by name: parameters of its own, beside those of the terms of the seal."""
+        """Parameters of the measure itself, ``Scalar`` by name."""
         return {}
 
     def with_parameters(self, changes: dict) -> "Measure":
@@ -156,15 +157,16 @@ class Measure:
         return self
 
     def least_scale(self, result) -> float | None:
-        """Compute the size below which its value counts as zero, in its unit; None where it has none of
-        its own."""
+        """Compute the size below which its value counts as zero, in its unit; None if it does not
+        define one."""
 
     def missing(self, result) -> str:
-        """Say why its value is not a number in a completed path, in one line; empty where it is one."""
+        """Describe in one line why its value is not a number in a completed path; empty if it is a
+        number."""
         return ""
 
     def check(self, seal) -> None:
-        """Raise ValueError for a seal of which the measure cannot be taken."""
+        """Raise ValueError for a seal for which the measure cannot be evaluated."""
 
     @property
     def selects_points(self) -> bool:
@@ -177,7 +179,7 @@ class Measure:
         return self
 
     def on_refined(self, fine, particles: np.ndarray) -> "Measure | None":
-        """Return the measure on a finer cloud of the same section; None where its value depends on the
+        """Return the measure on a finer cloud of the same section; None if its value depends on the
         number of particles, such as a sum over them.
 
         Parameters
@@ -194,7 +196,8 @@ class Measure:
         return 1
 
     def place(self, result) -> np.ndarray | None:
-        """Return where in the undeformed section the value is taken, shape (2,), if at one point."""
+        """Return the undeformed point at which the value is taken, shape (2,), if there is a single
+        one."""
         return None
 
     def evaluate(self, result, partials: Partials) -> np.ndarray:

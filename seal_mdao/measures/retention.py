@@ -1,4 +1,4 @@
-"""Measures of what a seal keeps while it relaxes: part of the force, how long, and set after release."""
+"""Measures of a seal that relaxes: retained force, time to a force, compression set."""
 
 from dataclasses import dataclass, replace
 
@@ -14,7 +14,7 @@ SMALL = 1e-3
 
 @dataclass(frozen=True)
 class RetainedForce(Derived):
-    """Force at the second of two stages or times over that at the first.
+    """Force at the second of two stages or times divided by that at the first.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class RetainedForce(Derived):
 
 @dataclass(frozen=True)
 class TimeToForceFraction(Measure):
-    """Time from the end of a stage until the force has fallen to a fraction of that at this end.
+    """Time from the end of a stage until the force has fallen to a fraction of its value there.
 
     Between the load steps of a dwell the force is linear in the logarithm of time, as it is drawn. Not a
     number where the fraction is not reached in the dwells that follow the stage.
@@ -139,8 +139,8 @@ class TimeToForceFraction(Measure):
 
 @dataclass(frozen=True)
 class CompressionSet(Measure):
-    """Part of the compression of a particle that is left at the end of the path: with its displacement u
-    along one axis, (h_0 - h_end) / (h_0 - h_closed) = u_end / u_closed.
+    """Fraction of the compression of a particle that remains at the end of the path: with its
+    displacement u along one axis, (h_0 - h_end) / (h_0 - h_closed) = u_end / u_closed.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Selection of the points of measures: once on the nominal seal, then frozen."""
+"""Selection of the points of measures on the nominal seal, after which they are fixed."""
 
 import numpy as np
 

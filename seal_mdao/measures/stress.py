@@ -153,7 +153,7 @@ class LargestVonMises(Measure):
         self.points(seal)
 
     def points(self, seal) -> np.ndarray:
-        """Find the points of ``Body.samples`` that take part; ValueError where none is left."""
+        """Return the points of ``Body.samples`` that are evaluated; ValueError if none is left."""
         # particles, midpoints of sides, centres of cells
         if self.away_from_singular == 0.0:
             return np.arange(len(seal.body.samples.anchors))

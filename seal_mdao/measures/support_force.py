@@ -1,4 +1,4 @@
-"""Forces of the body on its supports as something to measure: values and partial derivatives.
+"""Forces of the body on its supports as results of measures: values and partial derivatives.
 
 With the forces f~ = B^T s of all terms at prescribed components, the body exerts -sum f~ on its support.
 For weights w on these, m = -w . sum f~ = -w . f_internal - sum over points of s . (B w), so that

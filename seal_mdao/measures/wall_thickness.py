@@ -1,4 +1,4 @@
-"""Smallest wall thickness of the undeformed section, a smooth lower bound, and where it is."""
+"""Smooth lower bound of the smallest wall thickness of the undeformed section, and its position."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -44,7 +44,7 @@ class Distances(NamedTuple):
 
 @dataclass(frozen=True)
 class WallThickness(Measure):
-    """Smallest wall thickness of the undeformed section, a smooth lower bound.
+    """Smooth lower bound of the smallest wall thickness of the undeformed section.
 
     The thickness is the smallest distance d_i of the boundary particles on one side of a wall from the
     straight sides on the other, for both sides. With n such pairs
@@ -99,7 +99,8 @@ class WallThickness(Measure):
         return 1.0 / norm, by_inverse / (norm * size) ** 2
 
     def place(self, result) -> np.ndarray:
-        """Return the middle of the wall where it is thinnest, in the undeformed section, shape (2,)."""
+        """Return the middle of the wall at its thinnest point, in the undeformed section, shape
+        (2,)."""
         found = self.distances(result.seal.body, result.particles)
         least = found.size.argmin()
         return result.particles[found.points[least]] - 0.5 * found.across[least]

@@ -1,1 +1,1 @@
-"""Recorder files that survive a kill and can be continued."""
+"""Recorder files that remain complete if a process is killed, and that can be continued."""

@@ -1,4 +1,5 @@
-"""RestartRecorder: a recorder file that survives a kill at any moment, and that can be continued."""
+"""RestartRecorder: a recorder file that remains usable if the process is killed, and that can be
+continued."""
 
 import os
 import sqlite3
@@ -18,7 +19,8 @@ LEFTOVERS = ("-journal", "-wal", "-shm")
 
 
 class RestartRecorder(SqliteHooks):
-    """SqliteRecorder whose file survives a kill at any moment and that can append to a file.
+    """SqliteRecorder whose file remains usable if the process is killed, and that can append to a
+    file.
 
     Every case is a transaction of its own, as in ``SqliteRecorder``, so a killed run loses only the
     evaluation in progress. In addition, a new file takes its name only when it contains all that a

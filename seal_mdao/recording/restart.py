@@ -27,7 +27,8 @@ SAME = 1e-9
 
 
 class RestartWarning(UserWarning):
-    """A run is continued with options under which the optimiser may take other steps."""
+    """Warning that a run is continued with options under which the optimiser may take other
+    steps."""
 
 
 def restart(problem, path) -> None:

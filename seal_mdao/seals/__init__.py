@@ -1,1 +1,1 @@
-"""Seals: the contract, seals put together from terms, and the door seal of the paper."""
+"""Definition, analysis and results of seals; the door seal of the paper."""

@@ -1,4 +1,5 @@
-"""Checks of the end of a completed path: equilibrium alone does not make a state admissible.
+"""Checks of the state at the end of a completed load path: equilibrium alone does not make it
+admissible.
 
 The model has no contact of the seal with itself unless it is asked for, and contact with rigid profiles
 at the contact points only; volume changes are projected on background cells. A state for which one of
@@ -50,7 +51,7 @@ FEW_CELLS = 0.01
 
 @dataclass(frozen=True)
 class Finding:
-    """A fault of the end of a path.
+    """Fault of the state at the end of a load path.
 
     Attributes
     ----------
@@ -71,7 +72,7 @@ _KNOWN = WeakKeyDictionary()
 
 
 def findings(path: PathResult) -> tuple[Finding, ...]:
-    """Find the faults of the end of a completed path; evaluated once a path."""
+    """Find the faults of the state at the end of a completed load path; the result is cached."""
     # cached as long as the path exists
     if path not in _KNOWN:
         samples = Samples(path)

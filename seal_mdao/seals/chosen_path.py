@@ -1,4 +1,5 @@
-"""The path on which load steps and penalties of a seal were chosen: the analysis of its nominal design.
+"""Load path computed during the choice of load steps and penalties, reused as the analysis of the
+nominal design.
 
 The same inputs give the same bits, so the next analysis of this seal takes the path and solves nothing.
 One path is stored, until then or as long as its seal exists.
@@ -17,7 +18,7 @@ _stored: list[tuple] = []
 
 
 def store_path(seal: Seal, path: PathResult) -> None:
-    """Store the path of the nominal design of a seal in place of the one before."""
+    """Store the load path of the nominal design of a seal, replacing the one stored before."""
     _stored[:] = [(weakref.ref(seal, _forget), path)]
 
 

@@ -1,4 +1,4 @@
-"""Profiles that begin clear of the body, whatever its boundary and wherever they are placed."""
+"""Start positions of profiles that do not overlap the body, for any boundary and placement."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ PRESSING = 0.1
 
 
 def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
-    """Let profiles that would begin inside of a body begin farther back along their motion.
+    """Move the start of profiles that would overlap a body backwards along their motion.
 
     The first load step becomes longer and ends where it did (``Motion.clearance``), as do all others. A
     profile whose first stage does not press (it stands still, turns or slides) backs off along its

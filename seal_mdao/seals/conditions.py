@@ -1,4 +1,4 @@
-"""Axial stretch, temperature and swelling at one point of the path, as results are named by them."""
+"""Axial stretch, temperature and swelling at a point of the load path, as stated with results."""
 
 from collections.abc import Mapping
 
@@ -24,7 +24,7 @@ SECONDS = f"{TIME}_s"
 def conditions_of(
     environment: Environment | None, growths: Mapping[str, Growth], step: int | None = None
 ) -> dict:
-    """Evaluate what the environment of a body is after a load step.
+    """Evaluate axial stretch, temperature and swelling of a body after a load step.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def _after(ramp, step: int) -> float:
 
 
 def check_conditions(environment: Environment | None, growths: Mapping[str, Growth]) -> None:
-    """Check the values along the path, and that tables of moduli reach its temperatures.
+    """Check these values along the load path, and that tables of moduli contain its temperatures.
 
     Raises
     ------

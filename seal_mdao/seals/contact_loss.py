@@ -31,7 +31,7 @@ def contact_losses(path: PathResult) -> Iterator[str]:
 
 
 def closes(motion: Motion, stage: int) -> bool:
-    """Return whether a stage (from 0) leads the profile no nearer to where its motion began."""
+    """Return whether a stage (from 0) brings the profile no nearer to the start of its motion."""
     travelled, turn = (
         np.hypot(*(motion.positions - motion.positions[0]).T),
         motion.angles - motion.angles[0],

@@ -19,7 +19,8 @@ CREASES = 0.647
 
 
 def creases(samples: Samples) -> str:
-    """Describe the most compressed free side of the boundary if it is below ``CREASES``; else empty.
+    """Describe the free segment of the boundary with the smallest stretch if that is below
+    ``CREASES``; else return an empty text.
 
     Empty for compressible materials, such as sponge, too.
     """

@@ -1,4 +1,5 @@
-"""The largest gap between the contacts at the end of a path, and whether the measures look there."""
+"""Largest gap between contacts at the end of a load path, and measures whose points do not include
+it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -38,8 +39,8 @@ class OpenGap(NamedTuple):
 
 
 def open_between(result, profile: str, step: int = -1) -> np.ndarray:
-    """Find the contact points that a profile leaves open between its contacts, and that touch nothing
-    else either, after a nominal step.
+    """Find the points between the first and the last contact with a profile that touch nothing
+    after a nominal step.
 
     Returns
     -------
@@ -66,7 +67,7 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
 
 
 def largest_gap(result, profile: str) -> OpenGap:
-    """The largest gap at all contact points of a profile after the last step that converged."""
+    """Find the largest gap of all contact points of a profile after the last converged step."""
     response = result.path.at_nominal(profile)[-1]
     points = open_points(response.state, is_closed(result.term(profile).where))
     if not points.size:
@@ -77,13 +78,13 @@ def largest_gap(result, profile: str) -> OpenGap:
 
 
 def largest_gaps(result) -> dict[str, float]:
-    """The largest gap of every profile by its name, mm."""
+    """Compute the largest gap of every profile by its name, mm."""
     labels = [contact.label for contact in contacts(result.seal)]
     return {label: largest_gap(result, label).size for label in labels}
 
 
 def unmeasured_gaps(result, measures: Sequence[Measure]) -> tuple[str, ...]:
-    """A line for every measure of gaps that is taken at points where the largest gap is not.
+    """Report measures of gaps whose points do not include the largest gap, one line each.
 
     Parameters
     ----------
@@ -97,8 +98,8 @@ def unmeasured_gaps(result, measures: Sequence[Measure]) -> tuple[str, ...]:
 
 
 def gaps_unmeasured_by(result, name: str) -> tuple[str, ...]:
-    """The same for one of the seal's own measures by its name; nothing for a name that it does not know,
-    such as that of an aggregate."""
+    """As ``unmeasured_gaps`` for the measure ``name`` of the seal; empty for a name that is not a
+    measure, such as that of an aggregate."""
     try:
         measures = result.measures((name,))
     except ValueError:

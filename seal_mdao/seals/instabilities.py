@@ -1,4 +1,4 @@
-"""Where a seal lost its stability on its path, in words and with physical displacements."""
+"""Points of a load path at which equilibrium became unstable, with their description."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from seal_mdao.terms.point_assembly import interpolate
 
 @dataclass(frozen=True, eq=False)
 class Instability:
-    """Where equilibrium lost its stability.
+    """Point of a load path at which equilibrium became unstable.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Instability:
 
     @property
     def text(self) -> str:
-        """One line."""
+        """Description in one line."""
         place = f"load step {self.fraction:.4g}"
         if np.isfinite(self.travel):
             place = f"travel {self.travel:.3f} mm" + (
@@ -73,7 +73,7 @@ class Instability:
 
 
 def instabilities(result) -> tuple[Instability, ...]:
-    """All of a path, complete or not, in order."""
+    """Return the instabilities of a load path, complete or not, in order."""
     return tuple(_instability(result, point) for point in result.path.critical_points)
 
 

@@ -1,4 +1,5 @@
-"""Local states at the end of a path that mean nothing, and points where stress is singular.
+"""Inadmissible stretches and stresses at single points at the end of a load path, and points of
+singular stress.
 
 Equilibrium of the section as a whole does not show either: forces and gaps are hardly changed by one
 corner.
@@ -44,7 +45,8 @@ def beside_fixed_ends(samples: Samples, points: np.ndarray) -> np.ndarray:
 
 
 def meaningless_states(samples: Samples):
-    """Describe a stretch or a stress at single points that no rubber has, one line each.
+    """Describe stretches and stresses at single points that are beyond the range of rubber, one
+    line each.
 
     The stress of inverted material at the end of a fixed edge is not a number; ``seals.checks`` reports
     it by the volume change.
@@ -78,12 +80,12 @@ def meaningless_states(samples: Samples):
 
 
 def cure_at(samples: Samples, point: np.ndarray) -> str:
-    """Advise what to do about a local state at an undeformed point."""
+    """Describe the remedy for an inadmissible state at an undeformed point."""
     return LEAVE_OUT if beside_fixed_ends(samples, point[None]).any() else CURE
 
 
 class Largest(NamedTuple):
-    """A largest value and where it is, in words and undeformed, mm."""
+    """Largest value of a quantity, its position in words, and the undeformed point, mm."""
 
     value: float
     where: str

@@ -1,4 +1,4 @@
-"""Edges that may not touch a rigid profile, and come to lie inside it on the path."""
+"""Edges that penetrate a rigid profile because they are not among its contact edges."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -13,7 +13,8 @@ from seal_mdao.seals.profiles import stage_of
 
 
 class Buried(NamedTuple):
-    """An edge inside a profile that it may not touch: the deepest particle of all load steps.
+    """Edge that penetrates a profile without being one of its contact edges, with its deepest
+    particle in all load steps.
 
     Attributes
     ----------
@@ -36,7 +37,8 @@ class Buried(NamedTuple):
 
 
 def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
-    """Yield the edges that lie inside a profile that they may not touch, by more than ``least`` mm.
+    """Yield the edges that penetrate a profile by more than ``least`` mm without being one of its
+    contact edges.
 
     Edges of holes are left out: the wall before them lies inside the profile, too.
     """
@@ -69,7 +71,8 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
 
 
 def missing_contact(path: PathResult) -> str:
-    """Describe the edge that came nearest to a profile that it may not touch, on a path that failed.
+    """Describe the edge nearest to a profile that is not one of its contact edges, for an analysis
+    that failed.
 
     Empty unless a particle of it came nearer than half of a side of the boundary.
     """

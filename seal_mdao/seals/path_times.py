@@ -1,4 +1,4 @@
-"""Time along the path of a seal: of materials that relax, or of air that leaves a cavity."""
+"""Times along the load path of a seal with relaxation or vented cavities."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -13,7 +13,7 @@ SAME = 1e-9
 
 
 class StageEnds(NamedTuple):
-    """Stages of a path with times.
+    """Ends of the stages of a load path, with their times.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ VALID = 0.5
 
 
 class Penalty(NamedTuple):
-    """A penalty of a contact.
+    """Penalty parameter of a contact.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class PenaltyError:
         return float(self.error[np.abs(self.error).argmax()] / self.scale)
 
     def part(self, names) -> float:
-        """Compute the relative error by some of the penalties together."""
+        """Compute the relative error caused by some of the penalties together."""
         # errors of several penalties add up before the largest is taken
         own = [self.by_penalty[name] for name in names if name in self.by_penalty]
         if not own or not self.scale > 0.0:
@@ -162,7 +162,8 @@ def standard_measures(result) -> tuple[Measure, ...]:
 
 
 def scale_of(measure: Measure, result) -> float:
-    """Compute the reference value of a measure's error, in its unit (``PenaltyError.scale``)."""
+    """Compute the reference value for the relative error of a measure, in its unit
+    (``PenaltyError.scale``)."""
     # max |m_i|, at least the size that counts as zero
     value = float(np.abs(result.value(measure)).max(initial=0.0))
     return max(value, least_scale(measure, result))

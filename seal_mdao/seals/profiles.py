@@ -32,7 +32,7 @@ def self_contacts(seal) -> tuple:
 
 
 class Course(NamedTuple):
-    """Neighbouring stages of a motion along one line, there and back, or about one pivot.
+    """Consecutive stages of a motion along one line, forwards and backwards, or about one pivot.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Course(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ProfileHistory:
-    """One profile along the path, at n nominal steps.
+    """History of one profile over the n nominal steps of a load path.
 
     A profile that stands still has the stages and the travel of the first one that moves.
 

@@ -37,8 +37,8 @@ def _groups(seal: Seal, names) -> list[frozenset]:
 
 
 def relative_error(result: SealResult, names) -> float:
-    """Compute the largest relative error by the penalties ``names``: in a measure, or as penetration or
-    elastic slip in stick over the largest displacement.
+    """Compute the largest relative error caused by the penalties ``names``: in a measure, or as
+    penetration or elastic slip in stick relative to the largest displacement.
 
     Measures whose error is not estimable, because contact is about to open, are left out where there
     are others.

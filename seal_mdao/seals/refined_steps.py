@@ -1,4 +1,4 @@
-"""Refine load steps until what their division changes is within a tolerance.
+"""Refine load steps until a further division changes results by less than a tolerance.
 
 Those steps are halved in which the last two paths drift apart. Where the penalties differ as well, their
 estimated effect on measures is taken off.

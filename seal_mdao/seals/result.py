@@ -111,8 +111,8 @@ class SealResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Faults of the end of a completed path, one line each (``seals.checks``), penalty errors,
-        unresolved peaks of the contact pressure, and the warnings of the seal.
+        """Warnings, one line each: faults at the end of a completed path (``seals.checks``),
+        penalty errors, unresolved peaks of the contact pressure, and warnings about the seal.
 
         Empty for a path that was not completed.
         """
@@ -126,7 +126,8 @@ class SealResult:
 
     @property
     def trustworthy(self) -> bool:
-        """Whether the path was completed and its end has no fault by which results mean nothing."""
+        """Whether the path was completed and its end has no fault that makes the results
+        unusable."""
         return self.converged and not any(
             found.impossible or found.meaningless for found in findings(self.path)
         )
@@ -257,12 +258,12 @@ class SealResult:
 
     @property
     def end(self) -> ConvergedStep:
-        """The last step of a completed path."""
+        """Last step of a completed path."""
         self.require_converged()
         return self.path.steps[-1]
 
     def term(self, label: str):
-        """A term of the problem that was solved."""
+        """Return a term of the equilibrium equations that were solved."""
         return self.path.problem.term(label)
 
     def response(self, label: str, step: ConvergedStep | None = None):
@@ -430,7 +431,7 @@ def _chosen(seal: Seal, measures) -> tuple:
 
 
 def is_empty(measure: Measure, seal: Seal) -> bool:
-    """Whether a measure with frozen points has none: the nominal seal has no gap region."""
+    """Whether a measure has no evaluation points because the nominal seal has no gap region."""
     base = measure.base if isinstance(measure, Derived) else measure
     return base.size(seal) == 0
 
@@ -503,7 +504,7 @@ def estimate(seal: Seal, n_steps: int | None = None) -> Cost:
 
 
 def unloaded(seal: Seal) -> SealResult:
-    """The nominal seal without any load step, to draw its section."""
+    """Build the nominal seal without load steps, for pictures of its section."""
     # undeformed state: a path of zero steps counts as completed
     terms = seal.terms()
     problem = PathProblem(
@@ -513,7 +514,7 @@ def unloaded(seal: Seal) -> SealResult:
 
 
 class Known(NamedTuple):
-    """What is known from other paths of a seal.
+    """Data of a seal that other analyses have computed already.
 
     Attributes
     ----------

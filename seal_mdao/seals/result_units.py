@@ -1,4 +1,5 @@
-"""Units of forces and energies: per metre of a long seal in plane strain, of the complete ring else."""
+"""Units of forces and energies: per metre of length in plane strain, of the complete ring
+otherwise."""
 
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ PER_METRE = {"N/m": "N", "mJ/m": "mJ", "g/m": "g", "mm**3/s/m": "mm**3/s"}
 
 
 class ResultUnits(NamedTuple):
-    """Units of what a seal's results sum over its depth.
+    """Units of results that are integrated over the depth of a seal.
 
     Attributes
     ----------
@@ -43,21 +44,21 @@ class ResultUnits(NamedTuple):
 
     @property
     def along(self) -> str:
-        """Text of the length to which ``per_mm`` refers."""
+        """Name of the length to which ``per_mm`` refers."""
         return f"per mm of circumference at the mean radius {self.radius:.4g} mm"
 
     def of(self, units: str | None) -> str | None:
-        """Return the units of a measure, which knows those of plane strain."""
+        """Return the unit of a measure from its unit in plane strain."""
         return PER_METRE.get(units, units) if self.force == "N" else units
 
     @property
     def force_key(self) -> str:
-        """End of the names of forces in files: ``N_per_m`` or ``N``."""
+        """Suffix of the names of forces in files: ``N_per_m`` or ``N``."""
         return self.force.replace("/", "_per_")
 
     @property
     def energy_key(self) -> str:
-        """End of the names of energies in files: ``mJ_per_m`` or ``mJ``."""
+        """Suffix of the names of energies in files: ``mJ_per_m`` or ``mJ``."""
         return self.energy.replace("/", "_per_")
 
 

@@ -1,4 +1,4 @@
-"""Places between the particles where a finished path is looked at: boundary and inside."""
+"""Points on the boundary and inside at which the end of a load path is checked."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,7 +21,7 @@ KEEPS_VOLUME = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Points of a body at the end of a path: its particles, and others between them.
+    """Points of a body at the end of a load path: its particles, and points between them.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Samples:
 
     @cached_property
     def places(self) -> np.ndarray:
-        """The points at the end of the path, shape (N, 2)."""
+        """Positions of the points at the end of the load path, shape (N, 2), mm."""
         d = self.path.steps[-1].d
         moved = [np.empty((table.n_groups, 2)) for table in self._tables]
         for table, u in zip(self._tables, moved, strict=True):

@@ -45,7 +45,8 @@ class Parameter(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Seal:
-    """A body under terms of equilibrium, with its design parameters.
+    """Seal: particles and their design parameters, terms of the equilibrium equations, load steps
+    and measures.
 
     Particles are linear in the design parameters, X = X0 + sum_p offset_p V_p, so the design velocity V
     is constant.
@@ -233,7 +234,8 @@ class Seal:
         return other
 
     def nominal(self) -> "Seal":
-        """Return the nominal seal, on which measures select their points: its ``inputs`` unchanged."""
+        """Return the nominal seal, on which measures select their points: its ``inputs`` are
+        unchanged."""
         # changed material or friction remain: only the design returns to nominal
         rest = {name: own for name, own in self.changed.items() if name not in self.inputs}
         return self if len(rest) == len(self.changed) else self._with_changed(rest)
@@ -416,7 +418,8 @@ class Seal:
         return self.moved(self.check_offsets(offsets))
 
     def moved(self, offsets: np.ndarray) -> np.ndarray:
-        """Compute the particles of checked offsets, real or complex, shape (n, 2), mm."""
+        """Compute the particles for offsets that are already checked, real or complex, shape (n,
+        2), mm."""
         # X = X_0 + sum_p b_p V_p
         return self.nominal_particles + np.tensordot(offsets, self.design_velocity, 1)
 

@@ -1,4 +1,4 @@
-"""Seals from their ``settings``, as recorder files keep them."""
+"""Rebuild seals from their ``settings``, as stored in recorder files."""
 
 import json
 import tomllib
@@ -16,7 +16,7 @@ from seal_mdao.seals.seal import Seal
 
 
 def seal_of(text: str) -> Seal:
-    """The seal whose ``settings`` these are.
+    """Build the seal from its ``settings``.
 
     Raises
     ------
@@ -72,8 +72,8 @@ def _all_chosen(chosen: dict, file: SealFile) -> dict:
 
 
 def described(settings: dict) -> dict:
-    """Settings for reading: the tables of a seal file or the options of a door seal, and what was
-    chosen and changed of it."""
+    """Format settings for readers: tables of a seal file or options of a door seal, chosen steps
+    and penalties, changed parameters."""
     own = tomllib.loads(settings[FILE]) if FILE in settings else settings.get(DOOR_SEAL, {})
     made = (FILE, DOOR_SEAL, "beside")
     return own | {key: value for key, value in settings.items() if key not in made and value}

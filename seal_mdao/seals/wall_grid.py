@@ -1,4 +1,4 @@
-"""Particles of a wall on rays, layer by layer across it: numbers, cells, and schemes for them."""
+"""Particles of a wall on radial rows, in layers: numbering, cells, discretisation schemes."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 
 class WallScheme(NamedTuple):
-    """What carries the displacements and the pressure of a wall, how it is integrated and touched.
+    """Discretisation of a wall: kernels, pressure, integration and contact points.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ SCHEMES = {
 
 @dataclass(frozen=True)
 class WallGrid:
-    """Rays x layers of particles across a wall, numbered ray by ray from the inner boundary.
+    """Rays × layers of particles across a wall, numbered ray by ray from the inner boundary.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class WallGrid:
 
     @property
     def angles(self) -> np.ndarray:
-        """Of the rays, from straight down, counter-clockwise, shape (rays,)."""
+        """Angles of the rays from straight down, counter-clockwise, shape (rays,)."""
         return 2 * np.pi * np.arange(self.rays) / self.rays
 
     @property

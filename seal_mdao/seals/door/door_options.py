@@ -71,7 +71,8 @@ def _option(default, check):
 
 @dataclass(frozen=True)
 class DoorOptions:
-    """Options of a rubber seal on a fixed base, pressed by a rigid door with friction (mm, kPa, N/m).
+    """Options of the door seal: a rubber seal on a fixed base, compressed by a rigid door with
+    friction (mm, kPa, N/m).
 
     Attributes
     ----------

@@ -111,7 +111,7 @@ def door_seal(
 
 
 def options_of(seal: Seal) -> DoorOptions:
-    """Options of a door seal, with the present values of its parameters.
+    """Return the options of a door seal, with the present values of its parameters.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def with_options(seal: Seal, **changes) -> Seal:
 
 
 def described_door_seal(description: dict) -> Seal:
-    """Build the door seal of a ``Seal.description``.
+    """Build the door seal from a ``Seal.description``.
 
     Raises
     ------

@@ -18,7 +18,7 @@ HOLE = (0.4, 0.98)
 
 @dataclass(frozen=True)
 class Section:
-    """Nominal section (lengths in mm).
+    """Nominal section of the door seal (lengths in mm).
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def _upper(rays: int) -> int:
 
 @dataclass(frozen=True)
 class RingGrid(WallGrid):
-    """The wall of the door seal.
+    """Particles of the wall of the door seal.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class RingGrid(WallGrid):
 
     @classmethod
     def refined(cls, rays: int, layers: int, base_columns: int, refinement: int) -> "RingGrid":
-        """The grid of an even ring of ``rays``, its upper part refined."""
+        """Build the grid from ``rays`` evenly spaced rays, and refine its upper part."""
         return cls(rays + (refinement - 1) * _upper(rays), layers, base_columns, refinement)
 
     @property
@@ -108,7 +108,8 @@ class RingGrid(WallGrid):
 
     @property
     def free_rays(self) -> np.ndarray:
-        """Rays whose outer particle is free, from the right base corner round to the left one."""
+        """Rays whose outer particle is free, counter-clockwise from the right base corner to the
+        left one."""
         return np.arange(self.base_columns + 1, self.rays - self.base_columns)
 
     @property

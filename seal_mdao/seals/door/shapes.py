@@ -12,7 +12,7 @@ from seal_mdao.geometry.profile import (
 
 @dataclass(frozen=True)
 class FlatDoor:
-    """A wholly flat lower face at y = 0."""
+    """Door with a flat lower face at y = 0."""
 
     names = ()
 
@@ -22,7 +22,7 @@ class FlatDoor:
 
 @dataclass(frozen=True)
 class CornerDoor:
-    """Flat at y = 0, rounded corner, vertical side.
+    """Door with a flat lower face at y = 0, a rounded corner and a vertical side.
 
     Attributes
     ----------

@@ -77,12 +77,12 @@ class BoundarySplines:
 
     @property
     def outer_controls(self) -> int:
-        """Control values of the whole outer boundary."""
+        """Control values of the complete outer boundary."""
         return 2 * self.outer_parameters if self.symmetric else self.outer_parameters
 
     @property
     def inner_controls(self) -> int:
-        """Control values of the whole inner boundary."""
+        """Control values of the complete inner boundary."""
         return 2 * self.inner_parameters - 1 if self.symmetric else self.inner_parameters
 
     def outer_basis(self, angle: np.ndarray) -> np.ndarray:

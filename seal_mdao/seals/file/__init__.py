@@ -1,1 +1,2 @@
-"""The seal file: a section, its material, what moves against it, and what is asked, as TOML."""
+"""Seal files (TOML): section, materials, profiles, design, measures, optimisation and
+tolerances."""

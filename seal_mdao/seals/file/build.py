@@ -100,7 +100,7 @@ def built(
 
 
 def unchosen_seal(file: SealFile) -> OutlineSeal:
-    """Build the seal of a file with one load step for every stage where they are to be chosen.
+    """Build the seal of a file with one load step for every stage whose steps are to be chosen.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Starts of profiles in the seal file of a design that has grown into them."""
+"""Start position of the profile in the seal file of a design that has grown into it."""
 
 import numpy as np
 
@@ -12,7 +12,8 @@ ALONG = 1e-9
 
 
 def write_clear_start(given: dict, file: SealFile, seal: OutlineSeal, offsets) -> None:
-    """Let the only profile that moves begin where a design is clear of it, in the tables of a file.
+    """Move the start of the only moving profile in the tables of a file until it does not overlap
+    the design.
 
     Its first stage becomes longer by as much and ends where it did, as do its load steps. Nothing is
     changed for a design that is clear, with travels of measures, times, temperatures or swelling, which

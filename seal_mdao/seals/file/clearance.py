@@ -19,7 +19,7 @@ LOOK = 1e-4
 
 
 class Nearest(NamedTuple):
-    """Where a section is nearest to a profile at the start: gap (mm), point, edge."""
+    """Smallest distance of a section from a profile at the start: gap (mm), point, edge."""
 
     gap: float
     place: np.ndarray
@@ -110,7 +110,7 @@ def check_start(where: str, profile, outline) -> float:
 
 
 def cleared(profile, outline):
-    """Return the profile with a start that is clear of the section by more than rounding.
+    """Return the profile with a start position at which it does not overlap the section.
 
     A profile that touches in the drawing would begin within the section or outside of it by chance.
     """

@@ -1,4 +1,4 @@
-"""What the tables of a seal file say of each other: edges, holes, materials, steps, names.
+"""Checks of the tables of a seal file against each other: edges, holes, materials, steps, names.
 
 Every check raises ``SealFileError`` with the first contradiction. ``where`` is the place of a table in
 the file, as messages name it.
@@ -30,7 +30,7 @@ TOUCHING = 1e-9
 
 
 def check(file) -> None:
-    """Refuse a ``SealFile`` whose tables contradict each other."""
+    """Raise SealFileError for a ``SealFile`` whose tables contradict each other."""
     # the section and its materials, then all that names its edges
     check_section(file)
     check_axisymmetric(file)

@@ -1,4 +1,5 @@
-"""Description of the seal of a file for recorder files: text, the files beside it, what was chosen."""
+"""Description of the seal of a file for recorder files: text, files beside it, chosen steps and
+penalties."""
 
 import base64
 import json
@@ -46,7 +47,8 @@ def _contents(path: Path) -> dict:
 
 
 def description(file: SealFile, seal: OutlineSeal) -> dict:
-    """Return what the seal of a file can be rebuilt from, for JSON; empty without ``note_contents``.
+    """Return a JSON description from which the seal of a file can be rebuilt; empty without
+    ``note_contents``.
 
     ``seal_file`` is its text; ``beside`` has the packed contents of the drawing, the cloud and data by
     their names in the text; ``chosen`` has keyword arguments of ``build_seal``.

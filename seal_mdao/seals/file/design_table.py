@@ -36,7 +36,7 @@ Plane = Annotated[
 
 @table
 class DesignTable(Table):
-    """What may change about the shape: edges along their normals, a vertex, the radius of an arc."""
+    """Design parameters: offsets of edges along their normals, a vertex, the radius of an arc."""
 
     bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
     edges: Names | None = key("edges that move; not at an end where the next edge stays", None)
@@ -97,7 +97,7 @@ class DesignTable(Table):
 
     @property
     def moving(self) -> tuple:
-        """Edges that it names."""
+        """Edges that the design moves."""
         opposite = () if self.opposite is None else (self.opposite,)
         return (*(self.edges or ()), *opposite)
 

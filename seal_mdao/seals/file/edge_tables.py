@@ -44,7 +44,7 @@ Stretch = Annotated[
 
 @table
 class FixedTable(Table):
-    """Edges that are fixed, and in which directions."""
+    """Edges whose displacement is fixed, in both or single directions."""
 
     edges: Names = key("fixed edges")
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
@@ -54,7 +54,7 @@ class FixedTable(Table):
 
 @table
 class SymmetryTable(Table):
-    """Edges in a plane beyond which the section continues as its mirror image."""
+    """Edges in a plane of symmetry, beyond which the section continues as its mirror image."""
 
     edges: Names = key("straight edges in the plane; in a design they stay in it")
     normal: one_of("x", "y") = key("the axis across the plane")
@@ -62,7 +62,7 @@ class SymmetryTable(Table):
 
 @table
 class CavityTable(Table):
-    """A hole that does not let its air out, or lets it out through vents."""
+    """Hole with trapped air, which may escape through vents."""
 
     hole: whole(1, 1000) = key("its number, from 1")
     name: Name = key("put before the names of its parameters: air_pressure, air_gamma", "air")
@@ -112,8 +112,8 @@ class CavityTable(Table):
         return self.vent_diameter is not None
 
     def on(self, section: SectionBody, environment: Environment | None = None) -> TrappedAir:
-        """Bind the air to the particles around its hole; its time to that of the environment, or to the
-        first profile that travels."""
+        """Bind the air to the particles around its hole; its time is that of the environment, or of
+        the first profile that travels."""
         sealed = TrappedAir(
             self.name, section.loops[self.hole], self.pressure, self.gamma, environment
         )
@@ -132,7 +132,7 @@ class CavityTable(Table):
 
 @table(kw_only=True)
 class FluidTable(Table):
-    """A fluid at one end of an edge: it presses on what it wets, as far as the profiles let it."""
+    """Fluid at one end of an edge, which penetrates until contact with a profile stops it."""
 
     edges: Stretch = key(
         "an edge, or a list of neighbours, from the wet side under all that seals to the dry side",
@@ -178,7 +178,8 @@ class FluidTable(Table):
 
 @table
 class PairTable(Table):
-    """Two edges that may touch each other, or one that may touch itself, with their own friction."""
+    """Two edges that may touch each other, or one that may touch itself, with their own
+    friction."""
 
     edges: many(Text, 'one name of an edge, or two, such as ["left", "right"]', 1, 2) = key(
         "both edges, or one for itself"
@@ -187,13 +188,13 @@ class PairTable(Table):
 
     @property
     def name(self) -> str:
-        """Put behind the names of its constants."""
+        """Suffix of the names of its constants."""
         return "_".join(self.edges)
 
 
 @table
 class SelfContactTable(Table):
-    """Edges that may touch each other or themselves, as far as they are not neighbours."""
+    """Edges that may touch each other or themselves, neighbouring points excluded."""
 
     edges: Names = key("edges; those that do not touch only cost time")
     friction: Friction | None = key(
@@ -257,7 +258,7 @@ TERM_NAME = "put before the names of its parameters; its type unless given"
 
 @table(kw_only=True)
 class TermTable(Table):
-    """A term by its name; its further keys are the fields of its definition, ``makes``."""
+    """Term of another package, given by its name; further keys are the fields of its definition."""
 
     type: Text = key("name of the term")
     name: Name | None = key(TERM_NAME, None)

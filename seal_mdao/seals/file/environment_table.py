@@ -53,7 +53,8 @@ def _ramp(file, where: str, start: float, given) -> Ramp | None:
 
 
 def check_environment(file) -> None:
-    """Refuse what contradicts the environment of a ``SealFile``, or does not know it."""
+    """Raise SealFileError for tables of a ``SealFile`` that cannot be combined with its
+    environment."""
     _check_axial_stretch(file)
     _check_temperature(file)
     check_relaxation(file)

@@ -1,4 +1,4 @@
-"""The tables of a seal file, and the decisions that they make for its seal."""
+"""Tables of a seal file, and the properties of its seal that follow from them."""
 
 from dataclasses import dataclass, field
 from functools import partial
@@ -44,7 +44,7 @@ MOVING = ("profile", "moved")
 
 
 class Written(BaseModel):
-    """Tables of a seal file as they are written."""
+    """Tables of a seal file as written by the user."""
 
     # keys are the names of tables; what is unknown is refused by ``read_seal_file`` before
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -70,7 +70,7 @@ class Written(BaseModel):
 
 @dataclass(frozen=True)
 class SealFile:
-    """All decisions of a seal file: its tables, and what follows from several of them.
+    """Content of a seal file: its tables, and what follows from several of them.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ class SealFile:
 
     @property
     def open_penalties(self) -> tuple:
-        """Parameters of the seal whose values the file leaves to be chosen."""
+        """Penalties that the file does not give, by the names of their parameters."""
         # contacts with profiles, then that of the section with itself
         touching = (*self.profiles, *([] if self.self_contact is None else [self.self_contact]))
         return tuple(
@@ -126,17 +126,17 @@ class SealFile:
 
     @property
     def leaves_open(self) -> bool:
-        """Whether load steps or penalties are to be chosen."""
+        """Whether the file does not give all load steps and penalties, so that they are chosen."""
         return self.step_tolerance is not None or bool(self.open_penalties)
 
     @property
     def n_steps(self) -> int:
-        """Load steps of the path; its stages where the steps are to be chosen."""
+        """Number of load steps; number of stages if the steps are to be chosen."""
         return max(own.n_steps for own in self.moving)
 
     @property
     def moving(self) -> tuple:
-        """Profiles and moved edges, those that stand still included."""
+        """Profiles and moved edges, including those that do not move."""
         return (*self.profiles, *self.moved)
 
     @property
@@ -156,7 +156,7 @@ class SealFile:
 
     @property
     def fixed_edges(self) -> tuple:
-        """Edges that ``[fixed]`` holds."""
+        """Edges that ``[fixed]`` constrains."""
         return () if self.fixed is None else self.fixed.edges
 
     @property
@@ -188,7 +188,7 @@ class SealFile:
 
     @property
     def regions(self) -> list:
-        """Parts of the section with their materials, that of the rest first."""
+        """Parts of the section with their materials; the first is the remaining part."""
         # constants have the prefix of their material where there are several
         section, several = self.section, bool(self.section.regions)
         prefix = f"{section.material}_" if several else ""

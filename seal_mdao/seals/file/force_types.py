@@ -183,7 +183,8 @@ def _load_deflection_error(value, data=None, weight=None, **own):
 
 @kind("load_deflection_error", _load_deflection_error)
 class LoadDeflectionErrorTable(ReactionTable):
-    """Sum of the squared differences of the force from a target curve, relative to its values."""
+    """Sum of the squared differences between the force and a target curve, relative to the
+    target."""
 
     value: Forces | None = key(
         "target force at every travel, stage or time, in the units of the force", None

@@ -22,7 +22,7 @@ MOST_POINTS = 20_000
 
 
 class Form:
-    """What a value must be, in words (``allowed``): the one error for whatever is wrong in it."""
+    """Admissible values of a key, described in words (``allowed``) that form the error message."""
 
     def __init__(self, allowed: str):
         self.allowed = allowed
@@ -46,7 +46,7 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 
 
 def number(unit: str = "", above=None, least=None, most=None):
-    """Make the form of a finite number: above or not below a bound, and at most another one."""
+    """Define finite numbers with a lower bound, which may be excluded, and an upper bound."""
     words = [] if above is None else [f"above {above:g}"]
     words += [] if least is None else [f"of at least {least:g}"]
     words += [] if most is None else [f"at most {most:g}"]
@@ -56,23 +56,23 @@ def number(unit: str = "", above=None, least=None, most=None):
 
 
 def whole(least: int, most: int):
-    """Make the form of an integer between two bounds; booleans are none."""
+    """Define integers between two bounds; booleans are not admissible."""
     allowed = Form(f"a whole number from {least} to {most}")
     return Annotated[int, Strict(), Field(ge=least, le=most), allowed]
 
 
 def one_of(*names: str):
-    """Make the form of one of some texts."""
+    """Define a text from a list."""
     return Annotated[Literal[names], Form(f"one of {', '.join(names)}")]
 
 
 def many(one, allowed: str, least: int = 1, most: int | None = None):
-    """Make the form of a list of values of one form."""
+    """Define a list of values of one form."""
     return Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Form(allowed)]
 
 
 def point(most: float | None = None):
-    """Make the form of a point, with coordinates up to ``most`` in size."""
+    """Define a point with coordinates of magnitude up to ``most``."""
     bounds = {} if most is None else {"minimum": -most, "maximum": most}
     # two coordinates, each within the bounds
     own = Annotated[Number, Field(ge=bounds.get("minimum"), le=most)]

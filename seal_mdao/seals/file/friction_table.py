@@ -26,7 +26,7 @@ Coefficient = number(least=0.0, most=MOST_FRICTION)
 
 @table(kw_only=True)
 class FrictionTable(Table):
-    """Coulomb's law."""
+    """Friction by Coulomb's law."""
 
     law: one_of(COULOMB) = key(
         "name of the law; a law of another name has its own constants instead of friction"
@@ -40,7 +40,7 @@ class FrictionTable(Table):
 
 @table(kw_only=True)
 class ExtensionTable(Table):
-    """A law of another package."""
+    """Friction law of another package."""
 
     law: Text = key("name of the law")
 

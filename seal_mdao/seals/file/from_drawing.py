@@ -1,4 +1,4 @@
-"""Write the seal file of a drawing: edges, regions and plate from its layers, texts and size."""
+"""Write the seal file of a drawing: edges, regions and plate from layers, texts and size."""
 
 import json
 import re
@@ -91,7 +91,8 @@ type = "von_mises"
 def from_drawing(
     name: str, path: Path, folder: Path, units=None, parting=(), ignore=(), report: Callable = print
 ) -> str:
-    """Write the seal file of a drawing: lowest edge fixed, the others pressed by a plate from above.
+    """Write the seal file of a drawing, with the lowest edge fixed and a plate that presses from
+    above.
 
     Parameters
     ----------

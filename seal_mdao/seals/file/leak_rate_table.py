@@ -16,7 +16,7 @@ Wavelength = number("um", above=0.0, most=1e6)
 
 @kind("leak_rate", LeakRate)
 class LeakRateTable(OfProfile):
-    """Leak rate of a liquid under a profile per length of seal, by Persson's theory."""
+    """Leak rate of a liquid under a profile, by Persson's theory for given roughness."""
 
     rms_roughness: number("um", above=0.0, most=1e3) = key("root mean square of the roughness")
     roll_off_wavelength: Wavelength = key("wavelength below which the roughness is self-affine")

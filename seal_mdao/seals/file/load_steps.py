@@ -39,7 +39,7 @@ Steps = Annotated[
 
 @table
 class StepsTable(Table):
-    """How exactly load steps are chosen that the stages leave open."""
+    """Tolerance for the choice of load steps that the stages do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
         "relative change that is allowed: of a measure, of the largest force on the profile",
@@ -49,7 +49,7 @@ class StepsTable(Table):
 
 @table
 class PenaltiesTable(Table):
-    """How exactly penalties are chosen that the contacts leave open."""
+    """Tolerance for the choice of penalties that the contacts do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
         "relative error that is allowed: of a measure, of a force, of penetration and elastic slip",
@@ -96,7 +96,7 @@ def with_steps(profiles: tuple, moved: tuple, steps: StepsTable | None) -> tuple
 
 
 def one_step_each(profiles) -> tuple:
-    """Give every stage one load step, for a choice to begin with."""
+    """Give every stage one load step, as the start of the choice."""
     # stages keep their travels and turns
     return tuple(
         replace(profile, stages=tuple(replace(stage, steps=1) for stage in profile.stages))

@@ -75,7 +75,7 @@ Factors = Annotated[
 
 @table(kw_only=True)
 class MaterialTable(Table):
-    """Keys of every material beside its law: density, what heat and liquids do to it."""
+    """Keys of every material beside its law: density, effects of temperature and swelling."""
 
     density: number("kg/m3", above=0.0, most=1e5) | None = key(
         "mass per volume, which the measure `mass` needs", None
@@ -108,7 +108,7 @@ class MaterialTable(Table):
 
 @table(kw_only=True)
 class LawTable(MaterialTable):
-    """A rubber by the name of its law."""
+    """Material given by the name of its law and its constants."""
 
     law: one_of(*LAWS) = key("name of the law: one of these, or of an extension")
     stable: Range = key(
@@ -148,7 +148,7 @@ class LawTable(MaterialTable):
 
 @table(kw_only=True)
 class FitTable(LawTable):
-    """A rubber whose constants are fitted to tests."""
+    """Material whose constants are fitted to tests."""
 
     data: Text = key("file of tests, relative to this one, to which the constants are fitted")
     weighting: one_of(*WEIGHTINGS) = key(
@@ -225,7 +225,8 @@ AnyLaw = Annotated[
 
 @table(kw_only=True)
 class ShoreTable(MaterialTable):
-    """A dense rubber by its hardness: neo-Hookean, with Young's modulus by Gent's relation (1958)."""
+    """Dense rubber given by its hardness: neo-Hookean, Young's modulus by Gent's relation
+    (1958)."""
 
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
         "hardness, instead of a law; a parameter that may vary"
@@ -239,7 +240,7 @@ class ShoreTable(MaterialTable):
 
 @table(kw_only=True)
 class SpongeTable(MaterialTable):
-    """A sponge rubber by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
+    """Sponge rubber given by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
     sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")
 

@@ -22,7 +22,7 @@ TypeName = Annotated[str, Form("the name of a type")]
 
 @table(kw_only=True)
 class MeasureTable(Table):
-    """A measure by its type.
+    """Measure, a result that can be an objective or a constraint, given by its type.
 
     A class for a type (``@kind``) has further keys as annotations, and ``single`` where it does not
     give one number.
@@ -59,7 +59,7 @@ class MeasureTable(Table):
         return self
 
     def settled(self, where: str, profiles: tuple) -> "MeasureTable":
-        """Return the table with what it leaves to profiles and moved edges of the file, and its name.
+        """Return the table completed with profiles and moved edges of the file, and its name.
 
         SealFileError says what it cannot leave to them.
         """
@@ -141,7 +141,7 @@ def measure_of(entry: MeasureTable, particles: np.ndarray) -> Measure:
 
 
 def places_of(measure: Measure):
-    """Return what ``places`` of a table says of a measure that has taken its places, or None."""
+    """Describe the evaluation points of a measure as ``places`` of a table does, or return None."""
     # a derived measure has the places of its base
     base = measure.base if isinstance(measure, Derived) else measure
     if isinstance(base, Gap | VonMises):

@@ -67,7 +67,7 @@ simple_kind(
 
 @kind("wall_thickness", WallThickness)
 class WallThicknessTable(MeasureTable):
-    """Smallest wall thickness of the undeformed section, a smooth lower bound."""
+    """Smooth lower bound of the smallest wall thickness of the undeformed section."""
 
     edges: Names | None = key(
         "edges on one side of the wall; the walls between all holes and the outside unless given",
@@ -123,7 +123,7 @@ class CavityAreaTable(MeasureTable):
 
 @kind("cavity_pressure", lambda cavity: CavityPressure(cavity))
 class CavityPressureTable(MeasureTable):
-    """Pressure of the air in a hole over that outside."""
+    """Excess pressure of the air in a hole over that outside."""
 
     cavity: Text = key("name of a [[cavity]]", "air")
 
@@ -133,7 +133,7 @@ class CavityPressureTable(MeasureTable):
 
 @kind("blow_off_pressure", BlowOffPressure)
 class BlowOffPressureTable(MeasureTable):
-    """Pressure at which a fluid comes through to the dry side."""
+    """Pressure at which a fluid penetrates to the dry side."""
 
     fluid: Text = key("name of a [[fluid]]", "fluid")
 
@@ -150,20 +150,20 @@ simple_kind(
 
 @kind("peak_pressure", PeakPressure)
 class PeakPressureTable(OfProfile):
-    """True contact pressure, a mean of high order below the peak."""
+    """Peak of the true contact pressure, as a mean of high order below it."""
 
     order: Order | None = key("of the mean", None)
 
 
 simple_kind(
     "nominal_peak_pressure", partial(PeakPressure, nominal=True), PeakPressureTable,
-    "Nominal contact pressure, a mean of high order below the peak.",
+    "Peak of the nominal contact pressure, as a mean of high order below it.",
 )  # fmt: skip
 
 
 @kind("contact_pressure", lambda profile, places=None, **a: ContactPressure(profile, places, **a))
 class ContactPressureTable(OfProfile):
-    """True contact pressure of each patch, a mean of high order below the peak."""
+    """True contact pressure of each patch, as a mean of high order."""
 
     order: Order | None = key("of the mean", None)
     places: Patches | None = key("with a cloud: indices of contact points for every patch", None)
@@ -172,13 +172,13 @@ class ContactPressureTable(OfProfile):
 
 simple_kind(
     "nominal_contact_pressure", partial(ContactPressureTable.makes, nominal=True),
-    ContactPressureTable, "Nominal contact pressure of each patch, a mean of high order below the peak.",
+    ContactPressureTable, "Nominal contact pressure of each patch, as a mean of high order.",
 )  # fmt: skip
 
 
 @kind("gap", lambda profile, places=None: Gap(profile, places))
 class GapTable(AtPlaces):
-    """Normal gaps where the nominal seal is not in contact, one by one."""
+    """Normal gaps at the points where the nominal seal is not in contact."""
 
     single = False
 
@@ -207,14 +207,14 @@ simple_kind(
 
 @kind("largest_gap", lambda profile, places=None, **order: LargestGap(profile, places, **order))
 class LargestGapTable(AtPlaces):
-    """Largest gap between the first and the last contact, an upper bound."""
+    """Smooth upper bound of the largest gap between the first and the last contact."""
 
     order: Order | None = key("of the p-norm", None)
 
 
 @kind("profile_work", lambda profile, stage=None: ProfileWork(profile, stages=stage))
 class ProfileWorkTable(OfProfile):
-    """Work of a profile on the seal along the path; over a closed cycle the hysteresis loss."""
+    """Work of a profile on the seal; for a closed cycle the hysteresis loss."""
 
     stage: StagePair | None = key(
         "two stages between whose ends the work is done, such as [2, 4]; the complete path unless given",
@@ -232,21 +232,21 @@ class ProfileWorkTable(OfProfile):
 
 simple_kind(
     "friction_work", FrictionWork, MeasureTable,
-    "Work of all profiles that is not stored in the body.",
+    "Work of friction: work of all profiles that is not stored in the body.",
 )  # fmt: skip
 simple_kind("strain_energy", StrainEnergy, MeasureTable, "Elastic energy of the body.")
 
 
 @kind("stress_norm", StressNorm)
 class StressNormTable(MeasureTable):
-    """p-norm of the von Mises stress of the particles, an upper bound."""
+    """p-norm of the von Mises stress of the particles, an upper bound of the largest."""
 
     order: Order | None = key("of the p-norm", None)
 
 
 @kind("von_mises", VonMises)
 class VonMisesTable(MeasureTable):
-    """Largest von Mises stress of the section, a smooth upper bound; or that at chosen particles."""
+    """Smooth upper bound of the von Mises stress over the section, or stress at particles."""
 
     excess: number(above=0.0, most=1.0) | None = key(
         "largest relative amount by which the bound is above the largest stress; 0.05 unless given",
@@ -278,7 +278,7 @@ class VonMisesTable(MeasureTable):
 
     @property
     def single(self) -> bool:
-        """Of the complete section, not at chosen particles."""
+        """Whether the value is that of the complete section, not of single particles."""
         return all(own is None for own in (self.at, self.count, self.places))
 
     def measure(self, particles):
@@ -295,7 +295,7 @@ class VonMisesTable(MeasureTable):
 
 @kind("displacement", Displacement)
 class DisplacementTable(MeasureTable):
-    """Displacement of a particle: horizontal, vertical."""
+    """Displacement of a particle, horizontal and vertical."""
 
     at: Point = key("a point; the displacement is that of the nearest particle")
     single = False

@@ -48,7 +48,7 @@ def at_stage_ends(file, where: str, given) -> tuple:
 
 @table
 class ModelTable(Table):
-    """What the section stands for, and what happens to it beside the motions."""
+    """Kinematics of the section, and temperature and axial stretch over the stages."""
 
     kinematics: one_of(PLANE_STRAIN, GENERALISED, AXISYMMETRIC) = key(
         "long seal of this section, results per metre; the same stretched along its axis, results per "

@@ -15,7 +15,7 @@ from seal_mdao.seals.outline.section_body import SectionBody
 
 @table
 class MovedTable(Staged, Table):
-    """Edges whose displacements are prescribed along the path."""
+    """Edges whose displacements are prescribed along the load path."""
 
     edges: Names = key("edges that are moved")
     name: Name | None = key(

@@ -19,7 +19,7 @@ Bound = Annotated[
 
 @table
 class Constraint(Table):
-    """What has to hold: a measure between bounds."""
+    """Constraint: bounds of a measure."""
 
     measure: Text = key("name of a measure, or a type that needs no further key")
     lower: Bound | None = key("least value, in the units of the measure", None)
@@ -53,14 +53,14 @@ class Constraint(Table):
 
 @table
 class OptimizeTable(Table):
-    """What is made small, and what has to hold."""
+    """Objective and constraints of the optimisation."""
 
     minimize: Text = key("name of a measure, or a type that needs no further key")
     constraints: rows(Constraint) = key("limits on measures", (), alias="constraint")
 
 
 def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> tuple:
-    """Return all measures: the declared ones and those that the problem names by their type.
+    """Return all measures: those of ``[[measure]]`` and those that the problem names by their type.
 
     Raises
     ------

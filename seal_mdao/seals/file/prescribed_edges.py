@@ -1,4 +1,4 @@
-"""Which table holds an edge: fixed, in a plane of symmetry, moved, or bonded to a profile."""
+"""Tables that prescribe displacements of edges: fixed, symmetry, moved, bonded to a profile."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from seal_mdao.seals.outline.contours import JOIN, Outline
 
 
 def check_edges(where: str, key: str, names, outline: Outline) -> None:
-    """Refuse names that no edge has, or that are given twice."""
+    """Raise SealFileError for names of edges that do not exist or are given twice."""
     for i, name in enumerate(names):
         known(where, key, name, outline.edge_names, "edge")
         if name in names[:i]:
@@ -17,7 +17,7 @@ def check_edges(where: str, key: str, names, outline: Outline) -> None:
 
 
 def held(file) -> list:
-    """List what holds edges: the place in the file, the edges, components, pivot and stages."""
+    """List the prescribed edges: position in the file, edges, components, pivot and stages."""
     none, both = (0.0, 0.0), (0, 1)
     found = [("[fixed]", file.fixed_edges, file.fixed_components, none, ())]
     for number, plane in enumerate(file.symmetries, 1):
@@ -34,13 +34,14 @@ def held(file) -> list:
 
 
 def holder(file, name: str) -> str:
-    """Return the table that holds an edge, as messages name it."""
+    """Return the table that prescribes an edge, as messages name it."""
     where = next(place for place, names, *_ in held(file) if name in names)
     return where.split(" ")[0] if where.startswith("[[symmetry") else where
 
 
 def check_moved(file) -> None:
-    """Refuse moved or bonded edges that are held already, or that meet others with another motion."""
+    """Raise SealFileError for moved or bonded edges that are prescribed already, or that meet edges
+    with another motion."""
     outline, owners = file.section.outline, {}
     for where, names, components, pivot, stages in held(file):
         key = "glued" if where.startswith("[[profile") else "edges"
@@ -86,7 +87,8 @@ def _program(own: tuple, component: int) -> tuple:
 
 
 def check_friction_by_edge(where: str, profile) -> None:
-    """Refuse friction of edges that the profile does not touch, or that leaves one out."""
+    """Raise SealFileError for friction of edges that the profile does not touch, or for a missing
+    edge."""
     for name in profile.friction.names:
         known(where, "friction", name, profile.contact, "edge in contact")
         if unfit := unfit_edge_name(name):
@@ -97,7 +99,8 @@ def check_friction_by_edge(where: str, profile) -> None:
 
 
 def check_pairs(self_contact) -> None:
-    """Refuse pairs of other edges than those of self-contact, and pairs that are given twice."""
+    """Raise SealFileError for pairs of edges outside of self-contact, and pairs that are given
+    twice."""
     seen = {}
     for number, pair in enumerate(self_contact.pairs, 1):
         where = f"[[self_contact.pair]] {number}"

@@ -34,7 +34,7 @@ Angle = number("degrees", least=-MOST_TURN, most=MOST_TURN)
 
 @table
 class StageTable(Table):
-    """A stage of the motion, relative to where the stage before has ended."""
+    """Stage of a motion, relative to the end of the previous stage."""
 
     translate: Place = key("travel of this stage", (0.0, 0.0))
     rotate: Angle = key("turn about the pivot, counter-clockwise", 0.0)
@@ -94,7 +94,7 @@ def _extension(name: str, made: type) -> type[ShapeTable]:
 
 @table(kw_only=True)
 class ProfileTable(Staged, SegmentTable):
-    """A rigid body; it lies on the left of its curve when the curve is walked, in its own frame."""
+    """Rigid body, which lies on the left of its curve in the direction of the curve."""
 
     name: Name = key("put before the names of its parameters: door_friction")
     friction: FrictionByEdge = key(

@@ -1,4 +1,4 @@
-"""Read a seal file: TOML, every table checked, then all of them against each other."""
+"""Read a seal file (TOML): check every table, then all tables against each other."""
 
 import tomllib
 from collections.abc import Callable
@@ -26,7 +26,7 @@ NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_requ
 
 
 def read_seal_file(path) -> SealFile:
-    """Read the decisions of a seal file; nothing is analysed.
+    """Read and check a seal file; nothing is analysed.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def key_rows(kind: type[Table]) -> list[tuple]:
 
 
 def default_of(own) -> str:
-    """Write what holds unless a key is given: "required", nothing, or a value as in TOML."""
+    """Format the default of a key: "required", nothing, or a value as in TOML."""
     if own.is_required():
         return "required"
     return "" if own.default in (None, (), {}) else _toml(own.default)
@@ -87,7 +87,7 @@ def _toml(value) -> str:
 
 
 def summary(kind: type[Table]) -> str:
-    """Return the first line of what a table is."""
+    """Return the first line of the description of a table."""
     return kind.__doc__.splitlines()[0]
 
 
@@ -103,7 +103,7 @@ def further_rows(kinds: dict[str, type[Table]], base: type[Table]) -> list[tuple
 
 
 def found_tables(name: str) -> dict[str, type[Table]]:
-    """Find the tables of a name: a table, a law of rubber, a type of measure; by their headings."""
+    """Find tables, material laws and types of measures by name; return them by their headings."""
     found = {f"table {name}": TABLES[name]} if name in TABLES else {}
     if name == "vary":
         # every distribution has its own keys

@@ -1,4 +1,4 @@
-"""Tables of a seal file: pydantic dataclasses that know their keys, and one line for what is wrong.
+"""Tables of a seal file: pydantic dataclasses with their keys, and error messages of one line.
 
 A table is a class with ``@table``. Its annotations are the forms of its keys (``forms``), ``key`` gives
 the description and what holds unless the key is given, validators are its cross checks. From it come the
@@ -68,7 +68,7 @@ class Table:
 
     @classmethod
     def allowed(cls, name: str) -> str:
-        """Say what the value of a key must be."""
+        """Describe the admissible values of a key."""
         hints = get_type_hints(cls, include_extras=True)
         own = {field.alias or n: n for n, field in cls.__pydantic_fields__.items()}
         return form_of(hints[own[name]])
@@ -107,7 +107,7 @@ def table_of(base: type[Table], name: str, keys: dict, **attributes) -> type[Tab
 
 
 def form_of(hint) -> str:
-    """Say in words what values of an annotation must be."""
+    """Describe the admissible values of an annotation in words."""
     if get_origin(hint) is Annotated:
         # the outermost form, or that of the type inside
         forms = [own for own in hint.__metadata__ if isinstance(own, Form)]

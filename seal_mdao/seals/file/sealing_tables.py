@@ -12,7 +12,7 @@ __all__ = ["KINDS", "LongestContactTable", "PressureCentreTable", "PressureInteg
 
 @kind("longest_contact", LongestContact)
 class LongestContactTable(OfProfile):
-    """Length of the longest connected part of the deformed contact with a pressure above a limit."""
+    """Deformed length of the longest connected part of a contact with a pressure above a limit."""
 
     pressure: number("kPa", least=0.0, most=1e9) | None = key("limit; 0 unless given", None)
 
@@ -27,7 +27,7 @@ class PressureIntegralTable(OfProfile):
 
 @kind("pressure_centre", PressureCentre)
 class PressureCentreTable(OfProfile):
-    """Mean coordinate of the deformed contact, weighted by a power of its pressure."""
+    """Mean coordinate of the deformed contact, weighted by a power of the contact pressure."""
 
     axis: one_of(*AXES) | None = key("coordinate: x (of a ring the radius) unless given", None)
     exponent: number(least=1.0, most=100.0) | None = key(

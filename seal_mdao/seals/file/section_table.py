@@ -42,7 +42,7 @@ Layers = many(Text, 'a list of layers, such as ["split"]')
 
 @table(kw_only=True)
 class OuterTable(PieceTable):
-    """A segment of the outside: head to tail, counter-clockwise, closed."""
+    """Segment of the outer contour; the segments follow one another counter-clockwise and close."""
 
     edge: Edge = key("name of the edge that it is part of")
     body: whole(1, 1000) = key("number of its body, where there are several", 1)
@@ -50,7 +50,7 @@ class OuterTable(PieceTable):
 
 @table(kw_only=True)
 class HoleTable(PieceTable):
-    """A segment of a hole, either way round."""
+    """Segment of the contour of a hole, in either direction."""
 
     edge: Edge = key("name of the edge that it is part of")
     hole: whole(1, 1000) = key("number of its hole, where there are several", 1)
@@ -58,7 +58,7 @@ class HoleTable(PieceTable):
 
 @table
 class RaysTable(Table):
-    """Particles on rays from a centre, for a wall round one hole."""
+    """Particles on radial rows from a centre, for an annular wall."""
 
     rays: whole(8, 100_000) = key("number of radial rows; the first one points straight down")
     layers: whole(2, 1000) = key("particles across the wall; 4 is a suitable start")
@@ -81,7 +81,7 @@ class RaysTable(Table):
 
 @table
 class RegionTable(Table):
-    """A part of the section of another material."""
+    """Part of the section with another material."""
 
     material: Text = key("name of a material, neither that of [section] nor of another region")
     at: Point | None = key(
@@ -97,7 +97,7 @@ class RegionTable(Table):
 
 @table
 class WrittenSection(Table):
-    """The outline of the section and how it is filled with particles."""
+    """Outline of the section, and how it is filled with particles."""
 
     material: Text | None = key("name of a material; optional if the file has only one", None)
     spacing: number("mm", above=0.0) | None = key(
@@ -229,7 +229,7 @@ class WrittenSection(Table):
 
 @dataclass(frozen=True)
 class SectionTable:
-    """``[section]``: the outline and how it is filled.
+    """``[section]``: the outline, and how it is filled with particles.
 
     Attributes
     ----------
@@ -323,7 +323,7 @@ def _nearest_joint(point, outline: Outline) -> tuple[np.ndarray, float]:
 
 
 def check_section(file) -> None:
-    """Raise SealFileError for unknown materials, and a spacing of no particles or too many."""
+    """Raise SealFileError for unknown materials, and a spacing with no or too many particles."""
     # material of the rest, spacing, then region by region
     section, outline = file.section, file.section.outline
     known("[section]", "material", section.material, tuple(file.materials), "material")

@@ -12,7 +12,7 @@ from seal_mdao.seals.outline.contours import Arc, Circle, Line, Spline
 
 @table
 class ArcTable(Table):
-    """An arc through three points."""
+    """Arc through three points."""
 
     start: Point = key("its first point")
     through: Point = key("a point between")
@@ -21,7 +21,7 @@ class ArcTable(Table):
 
 @table
 class CircleTable(Table):
-    """A circle, a contour of its own."""
+    """Circle, a complete contour."""
 
     centre: Point = key("its centre")
     radius: number("mm", above=0.0) = key("its radius")

@@ -18,7 +18,7 @@ _WITHOUT_HISTORY = {
 
 @table(kw_only=True)
 class SofteningTable(Table):
-    """Mullins effect by the law of Ogden and Roxburgh, as Abaqus has it."""
+    """Softening (Mullins effect) by the law of Ogden and Roxburgh, as in Abaqus."""
 
     r: number(above=1.0, most=MOST) = key("limit of the softening: eta is at least 1 - 1/r")
     m: number("kPa", least=0.0, most=MOST) = key(
@@ -46,7 +46,7 @@ def softening_of(file, name: str) -> OgdenRoxburgh | None:
 
 
 def check_softening(file) -> None:
-    """Refuse what softening materials of a ``SealFile`` do not know.
+    """Raise SealFileError for keys that softening materials cannot be combined with.
 
     Raises
     ------

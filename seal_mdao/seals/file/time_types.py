@@ -1,4 +1,4 @@
-"""Types of measures of what a seal keeps while it relaxes."""
+"""Types of measures of a seal that relaxes: retained force, time to a force, compression set."""
 
 from pydantic import model_validator
 
@@ -19,7 +19,7 @@ __all__ = ["KINDS", "CompressionSetTable", "RetainedForceTable", "TimeToForceFra
 
 @kind("retained_force", lambda **own: RetainedForce(reaction_of(**own)))
 class RetainedForceTable(ReactionTable):
-    """Force at the second of two stages or times over that at the first, F(t) / F(0)."""
+    """Force at the second of two stages or times divided by that at the first, F(t) / F(0)."""
 
     single = True
     count = 1
@@ -41,7 +41,7 @@ def _time_to_force_fraction(fraction, stage=1, **own):
 
 @kind("time_to_force_fraction", _time_to_force_fraction)
 class TimeToForceFractionTable(ReactionTable):
-    """Time from the end of a stage until the force has fallen to a fraction of that at this end."""
+    """Time from the end of a stage until the force has fallen to a fraction of its value there."""
 
     fraction: number(above=0.0, most=0.99) = key("fraction of the force at the end of the stage")
     stage: whole(1, 1000) = key("at whose end the time begins; a dwell follows", 1)
@@ -64,7 +64,7 @@ class TimeToForceFractionTable(ReactionTable):
 
 @kind("compression_set", CompressionSet)
 class CompressionSetTable(MeasureTable):
-    """Part of the compression that is left at the end of the path, (h_0 - h) / (h_0 - h_closed)."""
+    """Fraction of the compression that remains at the end, (h_0 - h) / (h_0 - h_closed)."""
 
     at: Point = key("a point of the surface that is compressed; the nearest particle is taken")
     component: one_of("x", "y") = key("axis of the compression", "y")

@@ -15,7 +15,7 @@ from seal_mdao.values import formatted
 
 @table(kw_only=True)
 class VaryTable(Table):
-    """Scatter of a parameter."""
+    """Distribution of a parameter."""
 
     distribution: one_of(*DISTRIBUTIONS) = key("distribution of the parameter")
     kind: one_of(*KINDS) | None = key(
@@ -40,7 +40,7 @@ class VaryTable(Table):
 
 @table
 class BoundaryTable(Table):
-    """Error of an extruded boundary."""
+    """Random error of an extruded boundary."""
 
     std: number("mm", above=0.0) = key("root mean square of its error")
     length: number("mm", above=0.0) = key("of correlation along the boundary")
@@ -63,7 +63,7 @@ AnyVary = chosen_by("distribution", VARY_TABLES)
 
 @table
 class ToleranceTable(Table):
-    """What varies from car to car."""
+    """Tolerances: parameters that vary between seals, and errors of the boundary."""
 
     vary: dict[str, AnyVary] = key("parameters that scatter, one table each", {})
     boundary: BoundaryTable | None = key("error of the edges that may move", None)
@@ -87,8 +87,8 @@ class ToleranceTable(Table):
         return self
 
     def check(self, where: str, seal: Seal) -> None:
-        """Refuse parameters that a seal does not have, factors of zero, and numbers that would take the
-        place of a value far from them where the file does not say so.
+        """Raise SealFileError for parameters that a seal does not have, factors of zero, and values
+        far from the present one if ``kind`` is not given.
 
         Parameters
         ----------

@@ -30,7 +30,7 @@ _WITHOUT_TIME = {
 
 @table(kw_only=True)
 class WlfTable(Table):
-    """Law of Williams, Landel and Ferry."""
+    """Shift of the relaxation times with temperature by Williams, Landel and Ferry."""
 
     c1: number(least=0.0, most=1e3) = key("c1 of log10 a_T = -c1 (T - T_r) / (c2 + T - T_r)")
     c2: number("K", above=0.0, most=1e4) = key(
@@ -41,7 +41,7 @@ class WlfTable(Table):
 
 @table(kw_only=True)
 class ArrheniusTable(Table):
-    """Law of Arrhenius."""
+    """Shift of the relaxation times with temperature by Arrhenius."""
 
     activation_energy: number("kJ/mol", least=0.0, most=1e3) = key(
         "E of ln a_T = (E / R) (1 / T - 1 / T_r)"
@@ -51,7 +51,7 @@ class ArrheniusTable(Table):
 
 @table(kw_only=True)
 class ViscoelasticTable(Table):
-    """Finite linear viscoelasticity: Prony series, as Abaqus has it."""
+    """Relaxation: finite linear viscoelasticity with a Prony series, as in Abaqus."""
 
     g: many(number(least=0.0, most=1.0), "a list of numbers of at least 0") = key(
         "parts of the modulus of short times that relax; their sum is below 1"
@@ -120,7 +120,7 @@ def _temperatures(file) -> list | None:
 
 
 def dwells(file, number: int) -> bool:
-    """Whether nothing moves, heats or presses in a stage, counted from 0."""
+    """Whether motions, temperature and pressures are constant in a stage, counted from 0."""
     moving = [own for own in file.moving if own.stages]
     counts = {len(own.stages) for own in moving}
     still = len(counts) == 1 and not any(
@@ -148,7 +148,7 @@ def _shortest(file, number: int) -> float:
 
 
 def check_relaxation(file) -> None:
-    """Refuse what relaxing materials of a ``SealFile`` need, or do not know.
+    """Raise SealFileError for keys that relaxing materials need or cannot be combined with.
 
     Raises
     ------

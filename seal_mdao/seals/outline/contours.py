@@ -55,7 +55,7 @@ class Contour:
 
     @property
     def length(self) -> float:
-        """mm."""
+        """Length of the contour, mm."""
         return float(sum(segment.length for segment in self.segments))
 
     @property

@@ -30,7 +30,7 @@ UNITS = {1: "inch", 2: "foot", 4: "mm", 5: "cm", 6: "m", 14: "dm"}
 
 
 class Drawing(NamedTuple):
-    """What a drawing says of a section.
+    """Section read from a drawing, with parting lines, texts and omitted entities.
 
     Attributes
     ----------
@@ -113,7 +113,8 @@ def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawi
 
 
 def read_by_corners(path, units: str | None = None, ignore=()) -> Outline:
-    """Read the boundary in a drawing whatever its layers are; edges are the parts between corners.
+    """Read the boundary of a drawing independent of its layers; edges are the parts between
+    corners.
 
     Parameters and errors as of ``read_drawing``; names of edges are those of ``named_by_corners``.
     """

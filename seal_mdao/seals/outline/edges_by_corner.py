@@ -1,4 +1,5 @@
-"""Names for the edges of a boundary that has none: every part between two corners is an edge."""
+"""Names of the edges of a boundary without named edges: every part between two corners is an
+edge."""
 
 from dataclasses import replace
 from math import radians
@@ -14,7 +15,7 @@ FLAT = 1e-6
 
 
 def named_by_corners(outline: Outline) -> Outline:
-    """Name the edges of a section anew, from corner to corner.
+    """Name the edges of a section from corner to corner.
 
     The lowest edge of the outer contour is ``base``; the others are ``edge_1``, ``edge_2``, ...
     counter-clockwise from there. Every hole is one edge, ``hole_1``, ...; further bodies have

@@ -1,4 +1,4 @@
-"""Count the layers of particles across the walls of a cloud, and find walls with too few."""
+"""Number of layers of particles across the walls of a cloud, and walls with too few layers."""
 
 from typing import NamedTuple
 

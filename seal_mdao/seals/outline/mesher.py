@@ -30,7 +30,7 @@ def _netgen():
 
 
 class Triangles(NamedTuple):
-    """A triangulation, the same bits for the same input.
+    """Triangulation, bitwise equal for the same input.
 
     Attributes
     ----------

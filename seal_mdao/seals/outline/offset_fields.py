@@ -51,7 +51,7 @@ class OffsetDesign:
     mirror: MirrorPlane | None = None
 
     def moving(self, sampled) -> set:
-        """Names of the edges that move completely."""
+        """Names of the edges that move over their complete length."""
         names = {name for own in self.edges for name in self._images(sampled, own)}
         across = () if self.opposite is None else self._images(sampled, self.opposite)
         return (set() if self.between is not None else names) | {*across}

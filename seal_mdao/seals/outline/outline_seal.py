@@ -125,8 +125,8 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of a size that no seal has, of values that no rubber has, and of a wall with too few
-        layers of particles; those of rays are chosen by the user."""
+        """Warnings about an unusual size, material values far from those of rubber, and walls with
+        too few layers of particles; layers of ``rays`` are chosen by the user."""
         size = unusual_size(np.ptp(self.nominal_particles, axis=0))
         # with the changed parameters
         unusual = unusual_values(self._terms[0])

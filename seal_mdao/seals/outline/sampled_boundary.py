@@ -8,7 +8,7 @@ from seal_mdao.seals.outline.segments import pair
 
 
 class SampledBoundary:
-    """The sampled boundary of a section, as designs see it.
+    """Sampled boundary of a section, as used by designs.
 
     Parameters
     ----------
@@ -31,7 +31,8 @@ class SampledBoundary:
         self._still = set()
 
     def hold(self, moving) -> None:
-        """Note the points of all edges that are neither ``moving`` nor in a plane: they stay."""
+        """Store as fixed the points of all edges that are neither ``moving`` nor in a plane of
+        symmetry."""
         still = [
             self.stretches[name]
             for name in self.stretches
@@ -40,7 +41,7 @@ class SampledBoundary:
         self._still = {(stretch.loop, int(k)) for stretch in still for k in stretch.points}
 
     def is_still(self, stretch: Stretch, end: int) -> bool:
-        """Return whether the first (0) or last (-1) point of a stretch stays."""
+        """Return whether the first (0) or last (-1) point of a stretch is fixed."""
         return (stretch.loop, int(stretch.points[end])) in self._still
 
     def path(self, name: str) -> BoundaryPath:

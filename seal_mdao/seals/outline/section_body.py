@@ -10,7 +10,7 @@ from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_poin
 
 
 class SectionBody(NamedTuple):
-    """A body with named edges, as contributions to equilibrium see it.
+    """Body with named edges, to which terms of the equilibrium equations are bound.
 
     A contribution is a function of it that returns the definition of a term:
 

@@ -75,7 +75,7 @@ class Segment:
 
     @property
     def sides(self) -> int:
-        """Least number of straight sides: no side turns by more than 45 degrees."""
+        """Least number of straight sides such that no side turns by more than 45 degrees."""
         return max(1, ceil(self.turning / (0.25 * np.pi) - 1e-9))
 
     def chords(self, sagitta: float) -> np.ndarray:
@@ -86,7 +86,7 @@ class Segment:
         return np.linspace(0.0, 1.0, max(count, self.sides) + 1)
 
     def between(self, start, end) -> "Segment":
-        """Move its ends to two points nearby, mm.
+        """Return the segment with its ends moved to two nearby points, mm.
 
         All other points move by less than three times as far as the ends; by more where the ends of an
         arc are closer to each other than its radius, for their chord then rotates.
@@ -94,7 +94,8 @@ class Segment:
         raise NotImplementedError
 
     def divided(self, s: float) -> tuple["Segment", "Segment"]:
-        """Divide it at a fraction 0 < ``s`` < 1 of its arc length; both parts follow the same curve."""
+        """Divide the segment at a fraction 0 < ``s`` < 1 of its arc length; both parts follow the
+        same curve."""
         raise NotImplementedError
 
     def nearest(self, point) -> tuple[float, float]:

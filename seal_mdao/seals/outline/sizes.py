@@ -1,11 +1,12 @@
-"""Sizes of sections that point to a wrong unit of length."""
+"""Sizes of sections that indicate a wrong unit of length."""
 
 USUAL = (0.5, 300.0)
 """Least and largest extent of the section of a seal, mm."""
 
 
 def unusual_size(extent) -> str:
-    """Describe a section whose larger extent is outside of ``USUAL``, and what to do; else empty.
+    """Describe a section whose larger extent is outside of ``USUAL``, with a remedy; else return an
+    empty text.
 
     ``extent`` are its width and height, mm.
     """

@@ -1,4 +1,4 @@
-"""Values of materials far outside those of rubber: a wrong unit more often than another material."""
+"""Material values far outside the range of rubber, which mostly indicate a wrong unit."""
 
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.region import Region
@@ -18,8 +18,8 @@ TEMPERATURE = (-100.0, 350.0)
 
 
 def unusual_values(body: ElasticBody) -> list[str]:
-    """Describe values of a body that lie far outside of those of rubber, one line each, with the unit
-    that a seal file has."""
+    """Describe material values of a body far outside the range of rubber, one line each, with the
+    unit in seal files."""
     found = [text for region in body.regions for text in _of_region(region, body.environment)]
     temperature = None if body.environment is None else body.environment.temperature
     if temperature is not None and not _within(temperature.value, TEMPERATURE):

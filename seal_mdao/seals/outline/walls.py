@@ -8,7 +8,7 @@ MEETING = 1e-9
 
 
 def fault_of_wall(outline, edges, opposite) -> str:
-    """Say why edges on two sides have no wall between them; empty where they have one.
+    """Describe why two groups of edges do not enclose a wall; empty if they do.
 
     The straight line where they are nearest to each other has to lie in the material.
     """
