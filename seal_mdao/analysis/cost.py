@@ -71,8 +71,8 @@ ROUND = 8e-4
 
 
 def duration(seconds: float) -> str:
-    """Format seconds with three digits in a readable unit, or in the next smaller one where they are a
-    round number in this one only: 1000 h, not 41.7 days."""
+    """Format seconds with three digits in a readable unit, or in the next smaller unit if the
+    number is round only there: 1000 h, not 41.7 days."""
     if seconds < 120.0:
         return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.2g} s"
     fitting = [(unit, seconds / size) for unit, size in UNITS if seconds >= 2.0 * size]
@@ -145,7 +145,8 @@ def most_hours() -> float:
 
 
 def require_means(cost: Cost, body: Body, n_steps: int) -> None:
-    """Refuse analyses that exceed the memory of the machine or the allowed hours.
+    """Raise TooLargeError for an analysis that exceeds the memory of the machine or the allowed
+    hours.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""One increment of a load path: what a corrector is given, and what it returns."""
+"""One increment of a load path: input and result of a corrector."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,8 @@ from seal_mdao.equilibrium.storage import Factor
 
 @dataclass(frozen=True, eq=False)
 class Increment:
-    """Equilibrium that is sought at ``target``. All correctors are called with it and a predictor.
+    """Increment to the equilibrium at ``target``, the argument of all correctors beside a
+    predictor.
 
     Attributes
     ----------
@@ -50,7 +51,7 @@ class Increment:
 
 
 class Solution(NamedTuple):
-    """End of the iterations of a corrector.
+    """Result of the iterations of a corrector.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ def extent(problem: PathProblem) -> float:
 
 
 def released_energy(problem: PathProblem, now: Assembly, last: ConvergedStep, target: float):
-    """Bound from below the energy that the body releases in an increment.
+    """Compute a lower bound of the energy that the body releases in an increment.
 
     Parameters
     ----------

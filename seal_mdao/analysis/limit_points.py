@@ -1,4 +1,4 @@
-"""Equilibrium beyond a limit point, where the smallest increment fails or jumps.
+"""Equilibrium beyond a limit point, if the smallest increment fails or jumps.
 
 In this order, and each only where the one before found none:
 

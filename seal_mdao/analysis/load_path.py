@@ -88,7 +88,7 @@ def _most_cuts(status: Status, options: NewtonOptions) -> int:
 
 
 class PathState(NamedTuple):
-    """All that the rest of a path depends on after a nominal step.
+    """State after a nominal step on which the remaining load path depends.
 
     Attributes
     ----------
@@ -285,7 +285,7 @@ def solve_path(
     states: dict | None = None,
     near: Callable | None = None,
 ) -> PathResult:
-    """Follow the program of a problem's terms from the undeformed state.
+    """Compute the load path of a problem from the undeformed state.
 
     Parameters
     ----------

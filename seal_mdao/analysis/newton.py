@@ -15,7 +15,7 @@ BRANCHES = ("stable", "primary")
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """Convergence control.
+    """Options of the iterations and of the load path.
 
     Attributes
     ----------
@@ -54,7 +54,8 @@ class NewtonOptions:
 
 
 def converged(assembly: Assembly, options: NewtonOptions) -> bool:
-    """Whether a residual is small, or mere rounding, under the laws of the terms as they are."""
+    """Return whether a residual is small, or only rounding, with the laws of the terms themselves,
+    not their linearisations."""
     return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 

@@ -10,7 +10,7 @@ from seal_mdao.terms.point_assembly import interpolate
 
 
 class Status(Enum):
-    """Status with which a load path, or one Newton solution, ended."""
+    """Status at the end of a load path or of one Newton solution."""
 
     CONVERGED = "converged"
     NOT_CONVERGED = "Newton did not converge within the allowed iterations"
@@ -24,7 +24,7 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class ConvergedStep:
-    """One converged (sub)step: the data for the next step and the sensitivities.
+    """One converged step or substep: data for the next step and for sensitivities.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class ConvergedStep:
 
 @dataclass(frozen=True, eq=False)
 class PathResult:
-    """A load path, complete or up to where it failed.
+    """Load path, complete or up to the step at which it failed.
 
     Attributes
     ----------

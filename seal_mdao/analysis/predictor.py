@@ -87,7 +87,8 @@ def closest(increment: Increment, guesses) -> np.ndarray:
 
 
 def bend_of(step: ConvergedStep, before: ConvergedStep, euler) -> np.ndarray | None:
-    """Compute what the Euler predictor missed per square of the step; the next misses about the same.
+    """Compute the error of the Euler predictor per square of the step, which estimates that of the
+    next step.
 
     None where a term went to another branch, for the path has a kink there, and where it is no small
     correction of the step.

@@ -11,7 +11,7 @@ _NO_TANGENT = np.empty(0)
 
 
 class PathProblem:
-    """One discretised body under its terms; ``evaluate`` gives residual and tangent.
+    """One discretised body with its terms; ``evaluate`` returns residual and tangent.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class PathProblem:
 
     @property
     def history_dependent(self) -> bool:
-        """Whether the problem is history dependent: a step depends on the one before."""
+        """Whether a step depends on the previous one."""
         return any(term.history_dependent for term in self.terms)
 
     def no_history(self) -> tuple:
@@ -136,7 +136,7 @@ class PathProblem:
 
     @property
     def touches_itself(self) -> bool:
-        """Whether walls of the body may face each other."""
+        """Whether walls of the body may touch each other."""
         return any(term.touches_itself for term in self.terms)
 
     def linear_contacts(self, iteration: tuple, history: tuple) -> list:

@@ -53,7 +53,7 @@ class Reuse:
 
 
 class CarriedFactor:
-    """f K0^-1 f^T: the inverse of an old tangent, pushed forward with a deformation.
+    """Inverse f K0^-1 f^T of an old tangent, pushed forward with a deformation.
 
     Parameters
     ----------

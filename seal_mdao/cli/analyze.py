@@ -255,7 +255,7 @@ def draw(result: SealResult, out: Path) -> None:
 
 
 def write_series(result: SealResult, arguments) -> str:
-    """Write the VTU series unless it was declined; return the text about it for the last line."""
+    """Write the VTU series unless it was declined; return a text about it for the last line."""
     # --no-vtu
     if arguments.vtu is False:
         return ""
@@ -267,14 +267,14 @@ def write_series(result: SealResult, arguments) -> str:
 
 
 def export_to_abaqus(file, seal, path: Path) -> None:
-    """Write the input file of Abaqus; print what it does not have."""
+    """Write the input file of Abaqus, and print what it does not contain."""
     for text in write_abaqus(file, seal, path):
         print(f"WARNING: not in {path.name}: {text}")
     print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
 
 
 def report_faults(result: SealResult) -> None:
-    """Print what may make the numbers of a result meaningless, before them."""
+    """Print faults that make the results unusable, before the numbers."""
     print_critical_points(result)
     if result.converged:
         print_warnings(result)
@@ -325,7 +325,8 @@ def report(result: SealResult, summary: dict) -> None:
 
 
 def stress_line(summary: dict) -> str:
-    """Describe the largest stress and its place; where it is singular, that elsewhere too."""
+    """Describe the largest stress and its position; if it is singular, also the largest
+    elsewhere."""
     text = (
         f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at "
         f"{place(summary['largest_von_mises_at_mm'])} undeformed"

@@ -58,7 +58,7 @@ def main(arguments) -> int:
 
 
 def readings(path: Path, units) -> tuple[np.ndarray, str, np.ndarray]:
-    """Read places on the path, the name of their column and measured forces of a CSV file.
+    """Read travels or times, the name of their column and measured forces of a CSV file.
 
     Raises
     ------
@@ -94,8 +94,8 @@ def readings(path: Path, units) -> tuple[np.ndarray, str, np.ndarray]:
 
 
 def force_of(seal, arguments, where: str, along) -> Reaction:
-    """Make the measure of the force at the readings: against the first movement of the profile, or along
-    the axis that is asked for.
+    """Create the measure of the force at the readings: against the first movement of the profile,
+    or along the requested axis.
 
     Raises
     ------

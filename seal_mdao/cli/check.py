@@ -71,8 +71,8 @@ def main(arguments) -> int:
 
 
 def choice_seconds(file, seal) -> float:
-    """Estimate the time of the choice of load steps and penalties that a file leaves open, beyond that
-    of the analysis with which it ends."""
+    """Estimate the time of the choice of load steps and penalties, beyond that of the analysis with
+    which it ends."""
     if file.step_tolerance is None and not file.open_penalties:
         return 0.0
     # coarse path: of chosen steps COARSE and 2 COARSE, of given ones at most as many

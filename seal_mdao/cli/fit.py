@@ -64,7 +64,7 @@ def main(arguments) -> int:
 
 
 def require_options(arguments, relaxation: bool) -> None:
-    """Refuse options of the other kind of test."""
+    """Raise an error for options that belong to the other kind of test."""
     kinds = "relaxation tests (column time_s)", "tests of stress over stretch (column stretch)"
     own, other = kinds if relaxation else kinds[::-1]
     for name in OF_LAWS if relaxation else OF_RELAXATION:

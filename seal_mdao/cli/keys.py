@@ -28,7 +28,7 @@ def main(arguments) -> int:
 
 
 def listing() -> str:
-    """List the names of all tables, laws and types of measures with what they are."""
+    """List the names of all tables, laws and types of measures with their descriptions."""
     parts = {"tables": TABLES, "laws of rubber": LAW_TABLES, "types of measures": KINDS}
     lines = []
     for heading, kinds in parts.items():

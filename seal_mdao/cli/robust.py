@@ -118,7 +118,8 @@ def optimize_robustly(
 
 
 def not_interrupted(numbers: dict) -> dict:
-    """Raise KeyboardInterrupt for a run that Ctrl-C has ended: no samples of a design half done."""
+    """Raise KeyboardInterrupt for a run that Ctrl-C has ended, so that an unfinished design is not
+    sampled."""
     if numbers["message"].startswith(INTERRUPTED):
         raise KeyboardInterrupt
     return numbers

@@ -1,4 +1,5 @@
-"""What ``seal-mdao robust`` optimises: the door seal, or table ``[optimize]`` of a seal file."""
+"""Optimisation problem of ``seal-mdao robust``: the door seal, or table ``[optimize]`` of a seal
+file."""
 
 from dataclasses import dataclass
 

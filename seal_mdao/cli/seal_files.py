@@ -37,8 +37,8 @@ def file_of(path: Path) -> SealFile:
 
 
 def filled(file: SealFile) -> OutlineSeal:
-    """Fill the section of a file with particles and build its seal, before load steps and penalties that
-    it leaves open are chosen.
+    """Fill the section of a file with particles and build its seal, without choosing load steps and
+    penalties.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def filled(file: SealFile) -> OutlineSeal:
 def seal_of(
     file: SealFile, chosen: dict | None = None, unchosen: OutlineSeal | None = None
 ) -> OutlineSeal:
-    """Build the seal of a file; choose the load steps and penalties that it leaves open.
+    """Build the seal of a file; choose the load steps and penalties that are not given.
 
     Parameters
     ----------

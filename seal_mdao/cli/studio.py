@@ -1,5 +1,5 @@
-"""Show a seal as a page on which it is changed by dragging: the force at once, the exact analysis a
-moment later."""
+"""Show a seal in the browser, where it is changed by dragging: forces at once to first order, then
+exactly."""
 
 import asyncio
 import webbrowser

@@ -100,7 +100,7 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
 
 
 def titles(seal) -> dict[str, str]:
-    """Describe the numbers of ``row`` by their names: what they are, with units."""
+    """Describe the numbers of ``row`` in words with units, by their names."""
     units = seal.units
     shown_units = {units.force_key: units.force, PER_MM: "N per mm"}
     found = {

@@ -1,4 +1,5 @@
-"""What a sweep may vary: a parameter of the seal, the travel of a profile, any number of its file."""
+"""Quantities that a sweep can vary: a parameter of the seal, the travel of a profile, any number of
+its file."""
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
@@ -23,7 +24,7 @@ MOST_LISTED = 60
 
 @dataclass(frozen=True, eq=False)
 class Varied:
-    """A number that varies.
+    """Varied quantity with its values.
 
     Attributes
     ----------
@@ -80,7 +81,8 @@ class Varied:
 
 
 def varied(file: SealFile, name: str) -> Varied:
-    """Find what a name means: a parameter or the end of its name, a travel, a number of the file.
+    """Identify the quantity of a name: a parameter or the end of its name, a travel, a number of
+    the file.
 
     Raises
     ------
@@ -103,7 +105,7 @@ def varied(file: SealFile, name: str) -> Varied:
 
 
 def parameter_name(option: str, name: str, known: Iterable[str], further: str = "") -> str:
-    """Find the parameter that a name, or the end of one, means.
+    """Find the parameter that a name, or the end of a name, identifies.
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""Adjoint sensitivities through the histories: the transposes of ``direct``, swept backwards.
+"""Adjoint sensitivities through the histories: the transpose of ``direct``, from the last step to
+the first.
 
     K_n^T lambda_n = sum over terms of B^T L_x^T (h+_bar, o_bar) + what is measured of d,    n = N..1
     (x_bar, h_bar, w_bar, theta_bar, X_bar) = L^T (-B lambda, h+_bar, o_bar)
@@ -40,7 +41,8 @@ class AdjointGradient:
     scalars: np.ndarray
 
     def of(self, names) -> np.ndarray:
-        """Derivatives with respect to scalar parameters that were wanted, shape (M, len(names)).
+        """Return the derivatives with respect to requested scalar parameters, shape (M,
+        len(names)).
 
         Zero for those that no term depends on (the corner radius of a flat door).
         """
@@ -76,7 +78,7 @@ class AdjointSweep:
         self.swept, self.size = [], 0
 
     def step(self, step, following, seeds: Seeds | None, history_bar):
-        """One backward step.
+        """Compute one backward step.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Direct differentiation, Eq. (70), through the whole load path.
+"""Direct differentiation, Eq. (70), over the complete load path.
 
     K_n d'_n = -f'_n,    f'_n = sum over terms of B^T L_s [B' d, h', w', theta', X'] + B'^T s
 

@@ -1,4 +1,4 @@
-"""What both sweeps share: factors of converged tangents, and blocks of load steps."""
+"""Common parts of both methods: factors of converged tangents, and blocks of load steps."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ BLOCK_BYTES = 64 * 2**20
 
 
 def converged_factor(problem: PathProblem, step: ConvergedStep):
-    """Factor of the tangent at a converged step: the kept one, or made again."""
+    """Return the factor of the tangent at a converged step, stored or computed again."""
     if step.factor is not None:
         return step.factor
     return problem.factorize_at(step)
@@ -34,5 +34,5 @@ def blocks(indices, n_equations: int, n_columns: int) -> list:
 
 
 def is_full(nbytes: int) -> bool:
-    """Whether vectors of that size make a block."""
+    """Return whether vectors of that size fill a block."""
     return nbytes >= BLOCK_BYTES

@@ -1,4 +1,5 @@
-"""What the design parameters move: the data of the right-hand sides of Eq. (70)."""
+"""Rates of all data of an analysis with respect to design parameters: right-hand sides of Eq.
+(70)."""
 
 from dataclasses import dataclass
 

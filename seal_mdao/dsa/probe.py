@@ -1,4 +1,4 @@
-"""Displacements and F at material points, which measures take straight from the solution.
+"""Displacements and F at material points, which measures use directly from the solution.
 
 u = Phi d,    F = 1 + grad Phi d
 direct     u' = Phi' d + Phi d',    F' = grad Phi' d + grad Phi d'

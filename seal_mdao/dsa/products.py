@@ -35,8 +35,8 @@ def jvp(result, measures, rates: ParameterRates) -> dict:
 
 @one_blas_thread
 def vjp(result, weights: dict, names=()) -> AdjointGradient:
-    """Multiply the transposed Jacobian with weights of measures: one adjoint sweep with R right-hand
-    sides, however many values the measures have.
+    """Multiply the transposed Jacobian with weights of measures: one adjoint sweep with R
+    right-hand sides, independent of the number of values of the measures.
 
     Parameters
     ----------

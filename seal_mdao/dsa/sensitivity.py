@@ -1,4 +1,4 @@
-"""Sensitivities of measures: one table, direct or adjoint."""
+"""Sensitivities of measures by the direct or the adjoint method."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,8 @@ class Sensitivities:
 
 @one_blas_thread
 def differentiate(result, parameters=None, measures=None, method: str = "auto") -> Sensitivities:
-    """Exact derivatives of measures with respect to boundary offsets and scalar parameters.
+    """Compute the exact derivatives of measures with respect to boundary offsets and scalar
+    parameters.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
 
 @one_blas_thread
 def sensitivities(result, names, measures, method: str = "auto") -> Sensitivities:
-    """As ``differentiate``, of measures with selected points, and parameters that are known."""
+    """As ``differentiate``, for measures with selected points and checked parameters."""
     velocity = result.seal.design_velocity
     offsets = tuple(f"boundary_offsets[{i}]" for i in range(len(velocity)))
     if not measures:
@@ -117,7 +118,7 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
 
 @one_blas_thread
 def particle_gradient(result, parameters, measures, method: str = "auto") -> dict:
-    """Derivatives of measures with respect to every particle and scalar parameters.
+    """Compute derivatives of measures with respect to every particle and scalar parameters.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def _check_names(result, names):
 
 
 class Wanted:
-    """The measures to differentiate: what is independent of them, and what follows from it.
+    """Measures to differentiate: the independent ones, and those derived from them.
 
     Parameters
     ----------
@@ -183,12 +184,12 @@ class Wanted:
 
     @property
     def count(self) -> int:
-        """Right-hand sides of the adjoint method."""
+        """Number of right-hand sides of the adjoint method."""
         return self.stack.count
 
     @property
     def single(self) -> list:
-        """Whether a measure is one value by nature."""
+        """Whether a measure is a single value."""
         return [measure.scalar for measure in self.measures]
 
     def by_name(self, rows) -> dict:

@@ -48,7 +48,7 @@ def _matrix_rates(discretization: Discretization, velocity: np.ndarray) -> np.nd
 
 
 def discretization_rates(discretization: Discretization, velocity) -> DiscretizationRates:
-    """All rates of the discretisation along design velocities (P, n, 2)."""
+    """Compute all rates of the discretisation along design velocities (P, n, 2)."""
     matrix = _matrix_rates(discretization, velocity)
     # w' of the quadrature weights
     weights = discretization.cells.weight_rates(velocity)

@@ -1,4 +1,4 @@
-"""Position and rotation of a rigid profile: its own frame and the fixed one.
+"""Position and rotation of a rigid profile: transformation between its own frame and the fixed one.
 
     x = z + c + Q (x' - c)        x' = c + Q^T (x - z - c)
 

@@ -78,8 +78,8 @@ class RigidProfile(NamedTuple):
 
     @property
     def curve(self) -> "RigidProfile":
-        """The profile without its rates, for kernels that need none: they compile faster, and once for
-        all profiles."""
+        """Profile without its rates, for kernels that do not need them: they compile faster, and
+        once for all profiles."""
         return self._replace(**dict.fromkeys(RATES))
 
 

@@ -7,7 +7,7 @@ from seal_mdao.geometry.profile import RigidProfile
 
 
 class Shape(Protocol):
-    """Contract of a shape: a frozen dataclass with the shape parameters as fields.
+    """Base class of shapes: a frozen dataclass with the shape parameters as fields.
 
     Attributes
     ----------

@@ -73,7 +73,7 @@ class Closing:
         return out
 
     def rates(self, x: np.ndarray, fraction: float) -> ClosingRates:
-        """Its derivatives, zero where nothing touches."""
+        """Compute the derivatives of the contact pressure, zero at points without contact."""
         gap, k = self._gaps(x, fraction), len(x)
         points = self.touches[gap < 0.0]
         motion = self.motion_rates(fraction)

@@ -1,4 +1,4 @@
-"""Penetration of a fluid along an edge: weights from 1, wetted, to 0, dry, from point to point.
+"""Penetration of a fluid along an edge: weights from 1 (wetted) to 0 (dry), from point to point.
 
 The total pressure at a point i is P_i = c_i + p w_i, contact pressure and the acting fraction of the
 fluid pressure. The fluid advances as long as the total pressure is below the fluid pressure,

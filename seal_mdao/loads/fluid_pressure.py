@@ -174,7 +174,7 @@ class FluidPressureTerm(CoupledTerm):
     # ---- the state ----
 
     def pressure_at(self, fraction: float) -> float:
-        """Of the fluid after ``fraction`` nominal steps, kPa."""
+        """Evaluate the pressure of the fluid after ``fraction`` nominal steps, kPa."""
         return self.pressure * self._ramp_at(fraction)
 
     def _ramp_at(self, fraction) -> float:

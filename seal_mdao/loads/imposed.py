@@ -64,8 +64,9 @@ class ImposedDisplacements:
         return at_fraction(self.values, fraction)
 
     def linearization(self, fraction: float) -> np.ndarray:
-        """Their derivatives with respect to the parameters, particle by particle: a matrix
-        (2 n, len(names)) that the direct method multiplies, and the adjoint method's transpose."""
+        """Return the derivatives of the displacements with respect to the parameters, particle by
+        particle: a matrix (2 n, len(names)) that the direct method multiplies, and the adjoint
+        method's transpose."""
         rates = [at_fraction(rates, fraction).ravel() for rates in self.rates[: len(self.names)]]
         return np.array(rates).reshape(len(self.names), self.values[0].size).T
 

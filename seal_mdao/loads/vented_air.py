@@ -1,4 +1,4 @@
-"""Air in a hole with vents: what leaves it while the seal closes is lost for the rest of the path.
+"""Air in a hole with vents: air that leaves while the seal closes does not return.
 
     p = p_a ((M / V)^gamma - 1),    dM/dt = -C_d a c Phi(M / V),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
 
@@ -64,7 +64,7 @@ _MASS = 0
 
 
 class AirHistory(NamedTuple):
-    """What a load step passes to the next one.
+    """History that a load step passes to the next one.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class VentedAir(TrappedAir):
 
     @property
     def clock(self) -> StageTimes | None:
-        """Time of the environment."""
+        """Time along the load path, from the environment."""
         return None if self.environment is None else self.environment.time
 
     def _check_times(self) -> None:

@@ -1,4 +1,4 @@
-"""Laws under conditions: a given stretch along the section, free growth by heat or swelling, and a
+"""Material laws under conditions: axial stretch, free growth by temperature or swelling, and a
 factor of the moduli.
 
 With the stretch h across the plane, growth theta (the stretch that nothing resists) and the factor m of
@@ -230,7 +230,8 @@ class Volumetric(NamedTuple):
 
 
 def volumetric(conditions: Conditions) -> Volumetric:
-    """Compute what the conditions do to the volumetric energy of a nearly incompressible law."""
+    """Compute the effect of the conditions on the volumetric energy of a nearly incompressible
+    law."""
     h, theta, zero = conditions.stretch, conditions.growth, 0.0 * conditions.factor
     bulk = h / theta**3
     return Volumetric(

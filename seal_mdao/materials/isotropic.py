@@ -1,4 +1,5 @@
-"""Contract of isotropic hyperelastic laws in plane strain, and stresses and tangents from the energy.
+"""Base class of isotropic hyperelastic laws in plane strain, with stresses and tangents from the
+energy.
 
 With lambda_3 = 1 the energy of an isotropic solid is a function of T = F : F and J = det F of the
 in-plane deformation gradient alone, W(T, J):
@@ -30,7 +31,7 @@ MOST_CONSTANT = 1e12
 
 
 class Isotropic(ABC):
-    """Contract of a material; a law is a frozen dataclass whose fields are its constants.
+    """Base class of materials; a law is a frozen dataclass whose fields are its constants.
 
     Arrays ``t`` and ``j`` have the same shape. T is dimensionless; W, stresses and moduli are in
     one unit of stress of the user's choice. A law may be undefined for a state (J <= 0, chains beyond
@@ -56,16 +57,17 @@ class Isotropic(ABC):
 
     @abstractmethod
     def energy(self, t, j) -> np.ndarray:
-        """Strain energy density W per undeformed volume, shape of ``t``; complex step passes, through
-        the constants too."""
+        """Evaluate the strain energy density W per undeformed volume, shape of ``t``; complex
+        arguments and constants are allowed (complex step)."""
 
     @abstractmethod
     def derivatives(self, t, j) -> np.ndarray:
-        """W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
+        """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
 
     @abstractmethod
     def constant_derivatives(self, t, j) -> np.ndarray:
-        """d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for ``bulk_modulus``."""
+        """Evaluate d(W_T, W_J) / d constant, shape (n_constants, 2, ...); zero for
+        ``bulk_modulus``."""
 
     def constant_energies(self, t, j) -> np.ndarray:
         """Evaluate dW / d constant, shape (n_constants, ...), by complex steps of ``energy``."""
@@ -135,7 +137,8 @@ class Isotropic(ABC):
         return -2.0 * (rates[:, 0] * t / j + rates[:, 1])
 
     def volumetric(self, j) -> np.ndarray:
-        """Evaluate V(J) of a compressible law, shape of ``j``; complex step passes through constants.
+        """Evaluate V(J) of a compressible law, shape of ``j``; complex constants are allowed
+        (complex step).
 
         A law defines it if its energy is sum_i f(lambda_i) + V(J) of the principal stretches, with
         f and V and their slopes zero at 1. Then V' is the stress across the plane, and ``hoop_stretch``
@@ -196,7 +199,7 @@ class Isotropic(ABC):
 
     @property
     def initial_bulk_modulus(self) -> float:
-        """Bulk modulus of the undeformed state: ``bulk_modulus`` and the contribution of W."""
+        """Bulk modulus of the undeformed state: ``bulk_modulus`` plus the contribution of W."""
         # K = A_1111 - 4/3 G,  A_1111 = 2 W_T + 4 W_TT + 4 W_TJ + W_JJ,  G = 2 W_T
         w_t, _, w_tt, w_tj, w_jj = (float(w) for w in self.derivatives(2.0, 1.0))
         return self.bulk_modulus + 4.0 * (w_tt + w_tj) + w_jj - 2.0 / 3.0 * w_t

@@ -1,4 +1,4 @@
-"""Tables of the materials that need no constants: dense rubber by hardness, sponge by grade."""
+"""Tables of materials without given constants: dense rubber by hardness, sponge by grade."""
 
 from typing import NamedTuple
 

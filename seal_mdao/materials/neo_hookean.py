@@ -9,7 +9,8 @@ from seal_mdao.materials.isotropic import check_bulk, checked
 
 @dataclass(frozen=True)
 class NeoHookean(FirstInvariant):
-    """The law of Gaussian chains (L. R. G. Treloar, The Physics of Rubber Elasticity, chapter 4).
+    """Neo-Hookean law of Gaussian chains (L. R. G. Treloar, The Physics of Rubber Elasticity,
+    chapter 4).
 
     Attributes
     ----------

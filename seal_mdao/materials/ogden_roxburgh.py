@@ -1,4 +1,4 @@
-"""Mullins effect: softening of rubber below the largest energy that it has had.
+"""Mullins effect: softening of rubber below its largest previous energy.
 
 With the isochoric energy W per volume of a point and the largest one W_max that it has had, the law of
 R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. Lond. A 455 (1999) 2861, in the form with beta of Abaqus:
@@ -31,7 +31,7 @@ _ROOT = math.sqrt(math.pi)
 
 @dataclass(frozen=True)
 class OgdenRoxburgh:
-    """Constants of the law.
+    """Law of Ogden and Roxburgh for softening, with its constants.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Softened(NamedTuple):
 
 
 def is_below(energy, largest) -> np.ndarray:
-    """Return where rubber is below the largest energy that it has had."""
+    """Return where rubber is below its largest previous energy."""
     return energy < largest
 
 

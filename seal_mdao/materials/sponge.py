@@ -1,4 +1,4 @@
-"""Sponge rubber by its grade of ASTM D1056, which is the only number that suppliers state.
+"""Sponge rubber by its grade of ASTM D1056, often the only number stated by suppliers.
 
 A grade is a range of the pressure that compresses a sheet by 25 %. One number determines one modulus,
 so the law is the hyperfoam of one term with alpha = 2 and nu = 0: W = mu/2 (I1 - 3 - 2 ln J), the

@@ -9,7 +9,8 @@ from seal_mdao.materials.isotropic import check_bulk, checked
 
 @dataclass(frozen=True)
 class Yeoh(FirstInvariant):
-    """Cubic in the invariant (O. H. Yeoh, Rubber Chem. Technol. 66 (1993) 754): filled rubbers.
+    """Yeoh law, cubic in the first invariant, for filled rubbers (O. H. Yeoh, Rubber Chem. Technol.
+    66 (1993) 754).
 
     Attributes
     ----------

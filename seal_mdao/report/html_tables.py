@@ -284,6 +284,6 @@ def _at_profile(result: SealResult, contact, history) -> dict:
 
 
 def patches(touching: np.ndarray) -> int:
-    """Count the runs of neighbouring points in contact."""
+    """Count the groups of consecutive points in contact."""
     # each begins with a step from 0 to 1
     return int(np.sum(np.diff(np.concatenate([[False], touching]).astype(int)) == 1))

@@ -53,7 +53,7 @@ class Deformation(NamedTuple):
 
 
 def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
-    """Room for ``n_fields`` displacement fields on the columns of a ``CellTable``."""
+    """Allocate ``n_fields`` displacement fields on the columns of a ``CellTable``."""
     shape = (n_fields, *cells.column_weights.shape)
     # with h in a body of revolution
     size = 6 if cells.axisymmetric else 5

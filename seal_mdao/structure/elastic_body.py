@@ -70,7 +70,7 @@ class ElasticBody(TermDefinition):
         return found | self.environment.scalars
 
     def with_parameters(self, values: dict) -> "ElasticBody":
-        """The body with some constants changed."""
+        """Return the body with some constants changed."""
         environment = self.environment
         return replace(
             self,
@@ -79,19 +79,19 @@ class ElasticBody(TermDefinition):
         )
 
     def with_ends(self, ends) -> "ElasticBody":
-        """The same body in other load steps, whose ``ends`` are in nominal steps."""
+        """Return the body for other load steps, whose ``ends`` are in nominal steps."""
         if self.environment is None:
             return self
         grown = (r._replace(growth=r.growth.with_ends(ends)) for r in self.regions)
         return replace(self, regions=tuple(grown), environment=self.environment.with_ends(ends))
 
     def axial_stretch(self, fraction: float) -> float:
-        """Evaluate the stretch along the section at a path parameter; 1 where none is given."""
+        """Evaluate the axial stretch at a path parameter; 1 if none is given."""
         ramp = None if self.environment is None else self.environment.axial_stretch
         return 1.0 if ramp is None else float(ramp.at([fraction])[0])
 
     def on(self, discretization, index) -> "StructuralTerm":
-        """The term on one design."""
+        """Build the term for one design."""
         return StructuralTerm(self, discretization, index)
 
     def per_cell(self, values, n_cells: int, dtype=float) -> np.ndarray:
@@ -103,5 +103,5 @@ class ElasticBody(TermDefinition):
 
 
 def elastic_body(material, prefix: str = "") -> ElasticBody:
-    """A body of one material."""
+    """Create a body of one material."""
     return ElasticBody((Region(material, None, prefix),))

@@ -1,4 +1,4 @@
-"""Strain energy as something to measure: its derivatives at a converged step.
+"""Strain energy as a result of measures: its derivatives at a converged step.
 
 E = sum_q w W + sum_h K/2 V_h s_h^2,    s_h = sum_q N_h w e / V_h,    e = J - 1 + c
 
@@ -21,7 +21,7 @@ from seal_mdao.structure.internal_force import W_H, plane_jacobian, point_stress
 
 @dataclass(frozen=True, eq=False)
 class BodySeeds:
-    """What M measures take from the structure: its strain energy, and its internal forces.
+    """Seeds of M measures on the strain energy and the internal forces.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class BodySeeds:
 
     @property
     def used(self) -> np.ndarray:
-        """Which measures take something, shape (M,)."""
+        """Measures with seeds that are not zero, shape (M,)."""
         return (self.energy != 0.0) | self.force.any(axis=(1, 2))
 
     def put(self, rows, other: "BodySeeds") -> None:

@@ -22,7 +22,7 @@ EXPANSION, SWELLING = "expansion", "swelling"
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """Axial stretch, temperature and time of the whole body.
+    """Axial stretch, temperature and time of the complete body.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Environment:
         return {TIME: self.time.rates(fractions)} | by_stage
 
     def acts_on(self, growth: "Growth") -> bool:
-        """Return whether the law of a material is another one in the environment."""
+        """Return whether the environment changes the law of a material."""
         changing = self.axial_stretch, self.temperature, growth.swelling
         return any(own is not None for own in changing)
 
@@ -90,7 +90,7 @@ class Environment:
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """What heat and a liquid do to one material.
+    """Effects of temperature and swelling on one material.
 
     Attributes
     ----------

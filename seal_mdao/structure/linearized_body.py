@@ -33,7 +33,7 @@ _NOTHING = np.empty((0, 0, 0))
 
 
 class BodyDesign(NamedTuple):
-    """Rates of what a design moves in the body, or seeds on it, in P columns.
+    """Rates of design dependent quantities of the body, or seeds on them, in P columns.
 
     Attributes
     ----------

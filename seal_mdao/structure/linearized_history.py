@@ -1,4 +1,5 @@
-"""Linearisation of a body with a history at one converged step: what relaxation and softening share.
+"""Linearisation of a body with a history at one converged step: common base of relaxation and
+softening.
 
 A history law has a stress at the quadrature points that depends on the history, and passes a history on
 that depends on F = 1 + B d:

@@ -1,4 +1,4 @@
-"""Linearisation of a body that relaxes at one converged step, with what it carries along the path.
+"""Linearisation of a body that relaxes at one converged step, with its history variables.
 
 With S, E of ``second_stress``, the coefficients k, a_i, b_i and H of ``relaxation``, and e = F',
 

@@ -1,4 +1,4 @@
-"""Linearisation of a body that softens at one converged step, with the W_max that it carries.
+"""Linearisation of a body that softens at one converged step, with its history variable W_max.
 
 With P of the elastic law, W_F = P / mu, and eta of ``materials.ogden_roxburgh``,
 

@@ -1,4 +1,4 @@
-"""What a history dependent law carries along the path, and how a load step uses it.
+"""History variables of a material along the load path, and their use in a load step.
 
 Within a step such a law is an elastic one that depends on the history at its beginning. ``relaxation``
 and ``softening`` define it; ``linearized_history`` is what the sensitivities of both have in common.

@@ -39,7 +39,7 @@ class Region(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the material, empty where it is the only one."""
+        """Name of the material; empty if it is the only one."""
         return self.prefix.rstrip("_")
 
     @property
@@ -48,7 +48,7 @@ class Region(NamedTuple):
         return tuple(self.prefix + name for name in self.material.names)
 
     def with_parameters(self, values: dict) -> "Region":
-        """The region with some constants changed; names of others are passed over."""
+        """Return the region with some constants changed; names of others are ignored."""
         own = {
             name.removeprefix(self.prefix): value
             for name, value in values.items()

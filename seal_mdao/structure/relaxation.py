@@ -1,4 +1,5 @@
-"""Relaxation of the regions of a body: what every quadrature point carries, and its coefficients.
+"""Relaxation of the regions of a body: history variables at the quadrature points, and
+coefficients.
 
     Q_i+ = a_i Q_i + b_i (S+ - S),    P = k P(F+) + F+ H,    H = sum_i (a_i Q_i - b_i S)
 
@@ -22,7 +23,8 @@ _NO_BRANCH = np.empty(0, int)
 
 
 class RelaxationHistory(NamedTuple):
-    """What a load step passes to the next one, or rates of it, or seeds on it, in P columns at the end.
+    """History that a load step passes to the next one, or rates of it, or seeds on it, in P columns
+    at the end.
 
     Attributes
     ----------
@@ -83,7 +85,7 @@ class RegionRates(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RelaxingResponse:
-    """What the structural form of a body that relaxes answers.
+    """Response of the structural form of a body that relaxes.
 
     Attributes
     ----------
@@ -107,12 +109,12 @@ class RelaxingResponse:
     unconverged = 0
 
     def copied(self):
-        """A copy that later assemblies do not overwrite."""
+        """Return a copy that later assemblies do not overwrite."""
         return replace(self, f=self.f.copy())
 
     @cached_property
     def history(self) -> RelaxationHistory:
-        """What is passed to the next step."""
+        """History passed to the next step."""
         stress = second_stress(self.f, *self.slopes)
         return advanced(self.before, self.coefficients, stress, self.fraction)
 

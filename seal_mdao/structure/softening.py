@@ -1,4 +1,4 @@
-"""Softening of the regions of a body: the largest energy that every quadrature point has had.
+"""Softening of the regions of a body: the largest previous energy at every quadrature point.
 
     P = eta(W, W_max) mu dW/dF + p J F^-T,    W_max+ = max(W_max, W)
 
@@ -33,7 +33,7 @@ _SECOND = ((2, 0, 0), (3, 0, 1), (4, 1, 1), (W_TH, 0, W_H), (W_JH, 1, W_H), (W_H
 
 @dataclass(frozen=True, eq=False)
 class SofteningResponse:
-    """What the structural form of a body that softens answers.
+    """Response of the structural form of a body that softens.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class SofteningResponse:
     unconverged = 0
 
     def copied(self):
-        """Itself: no array is overwritten."""
+        """Return the response itself, whose arrays are not overwritten."""
         return self
 
     @property

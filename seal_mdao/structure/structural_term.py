@@ -1,4 +1,4 @@
-"""The structural form on one design: internal force, tangent, energy, and what sensitivities need."""
+"""Structural form for one design: internal force, tangent, energy, and data for sensitivities."""
 
 from functools import cached_property
 from typing import NamedTuple
@@ -34,7 +34,7 @@ _NOTHING = np.empty((0, 0, 0))
 
 
 class StructuralResponse(NamedTuple):
-    """What the structural form answers: its force is in the buffers.
+    """Response of the structural form; its force is in the buffers.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class StructuralResponse(NamedTuple):
     unconverged: int = 0
 
     def copied(self):
-        """Itself."""
+        """Return the response itself."""
         return self
 
 
@@ -75,7 +75,7 @@ class ColumnsVolumetric(NamedTuple):
 
 
 class StructuralTerm(Term):
-    """An ``ElasticBody`` on one design."""
+    """``ElasticBody`` for one design."""
 
     label = "structure"
     conservative = True

@@ -1,1 +1,1 @@
-"""Terms of equilibrium: the contract, and terms that act at single points."""
+"""Terms of the equilibrium equations: base classes, and terms that act at single points."""

@@ -1,4 +1,4 @@
-"""Points of a boundary that move as the mean of the edges beside them.
+"""Boundary points that move as the mean of the adjacent edges.
 
 The mean of ``rkpm.averages`` over the edges from A to its neighbours B has the weight function
 
@@ -33,7 +33,8 @@ SMOOTH, DUAL = 0.5, 1.0
 def averaged_points(
     which: np.ndarray, neighbours: np.ndarray, nominal, axisymmetric: bool = False
 ) -> MaterialPoints:
-    """Boundary particles that move as the mean of the edges beside them, with half of their lengths.
+    """Create boundary points that move as the mean of the edges beside each particle, with half of
+    their lengths.
 
     Parameters
     ----------

@@ -1,4 +1,5 @@
-"""Terms at material points whose forces depend on where other points are: trapped air, self-contact.
+"""Terms at material points whose forces depend on the positions of other points: trapped air,
+self-contact.
 
 A term of this kind gives the forces at its points, their derivatives for pairs of points, and one
 sparse matrix of all derivatives of a converged step. Assembly, tangent, history, and both kinds of
@@ -27,7 +28,7 @@ from seal_mdao.terms.term_at_points import TermAtPoints
 
 
 class CoupledResponse(NamedTuple):
-    """What a term answers at k points.
+    """Response of a term at k points.
 
     Attributes
     ----------
@@ -64,7 +65,7 @@ class CoupledResponse(NamedTuple):
     unconverged: int = 0
 
     def copied(self):
-        """Itself: every answer has arrays of its own."""
+        """Return the response itself, whose arrays are not overwritten."""
         return self
 
     @property
@@ -74,8 +75,8 @@ class CoupledResponse(NamedTuple):
 
 
 class CoupledTerm(TermAtPoints):
-    """Base class. A subclass gives ``respond`` and ``linearize``; ``where`` are points that lie at
-    particles or between them, one a group.
+    """Base class of coupled terms. A subclass defines ``respond`` and ``linearize``; ``where`` are
+    points at particles or between them, one a group.
 
     Attributes
     ----------
@@ -92,31 +93,32 @@ class CoupledTerm(TermAtPoints):
     # ---- what a subclass gives ----
 
     def respond(self, x, fraction, history) -> CoupledResponse | None:
-        """Forces at the deformed places ``x`` (k, 2); None where the term cannot be evaluated."""
+        """Compute the forces at the deformed positions ``x`` (k, 2); None if the term cannot be
+        evaluated."""
         raise NotImplementedError
 
     def linearize(self, response, fraction, history) -> LocalMap:
-        """Derivatives at a converged step, which began with ``history``."""
+        """Compute the derivatives at a converged step that began with ``history``."""
         raise NotImplementedError
 
     def uses_history(self, following: CoupledResponse) -> np.ndarray:
-        """Which of the history's variables, point by point, a step used."""
+        """Return which history variables of each point a step used."""
         return np.empty(0, int)
 
     # ---- the contract of a term ----
 
     @property
     def rows(self) -> list:
-        """Where force, history and outputs are among the rows of a ``LocalMap``."""
+        """Ranges of force, history and outputs among the rows of a ``LocalMap``."""
         return self.spaces[0].slices
 
     @property
     def inputs(self) -> list:
-        """Where x, history, measure, parameters and X are among its columns."""
+        """Ranges of x, history, measure, parameters and X among its columns."""
         return self.spaces[1].slices
 
     def deformed(self, raw) -> np.ndarray:
-        """Deformed places of the points (k, 2)."""
+        """Compute the deformed positions of the points (k, 2)."""
         x = np.empty((len(self.where), 2))
         # x = X + Phi d
         interpolate(self.table.raw, raw, x)
@@ -167,7 +169,7 @@ class CoupledTerm(TermAtPoints):
 
     @cached_property
     def spaces(self) -> tuple:
-        """How the rows and columns of a ``LocalMap`` are laid out."""
+        """Return the layout of rows and columns of a ``LocalMap``."""
         k, h, o = len(self.where), self.history_size, len(self.output_names)
         return (
             AllPoints(Outputs, ((k, 2), (k, h), (self.output_indices, o))),

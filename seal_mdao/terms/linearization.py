@@ -1,4 +1,4 @@
-"""Linearisation of a local law: one matrix, and its products with rates and with seeds.
+"""Linearisation of a local law: its matrix, and products with rates and seeds.
 
 A law gives the conjugate forces s of a term's points, the history h+ that they pass to the next step,
 and outputs o for measures, from their deformed places x, the history h of the step before, weights w,
@@ -23,7 +23,7 @@ PARALLEL = 1e-13
 
 
 class Inputs(NamedTuple):
-    """Rates of what a law takes at s points, or seeds on it, in P columns.
+    """Rates of the inputs of a law at s points, or seeds on them, in P columns.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Inputs(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Rates of what a law gives at s points, or seeds on it, in P columns.
+    """Rates of the results of a law at s points, or seeds on them, in P columns.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class AllPoints(NamedTuple):
 
 
 class LocalMap(NamedTuple):
-    """Matrix sparse + left right of points that act on each other.
+    """Matrix sparse + left right of points that interact.
 
     Rows: force (2k), history passed on, outputs; columns: x (2k), history, measure (k), parameters,
     X (2k), all point by point.
@@ -183,7 +183,7 @@ class Linearization(NamedTuple):
 
 
 class PassedOn(NamedTuple):
-    """c functions of a step's displacements, all that the next step uses of them.
+    """The c functions of the displacements of a step on which the next step depends.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ from seal_mdao.terms.point_rates import (
 
 
 class PointDesign(NamedTuple):
-    """Rates of what a design moves at k points, in P columns.
+    """Rates of design dependent quantities at k points, in P columns.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class PointDesign(NamedTuple):
 
 
 class PointDesignSeeds(NamedTuple):
-    """Seeds of M measures on what a design moves at k points; summed over the steps.
+    """Seeds of M measures on design dependent quantities at k points, summed over the steps.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class PointRows:
 
 @dataclass(frozen=True, eq=False)
 class PointSeeds:
-    """What M measures take from a term at points.
+    """Seeds of M measures on the results of a term at points.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class PointSeeds:
 
     @property
     def used(self) -> np.ndarray:
-        """Which measures take something, shape (M,)."""
+        """Measures with seeds that are not zero, shape (M,)."""
         return self.force.any(axis=(1, 2)) | self.outputs.any(axis=(1, 2))
 
     def put(self, rows, other: "PointSeeds") -> None:

@@ -1,4 +1,4 @@
-"""The contract of a term's sensitivities: its rows B, and products with its linearisation L.
+"""Base class of the sensitivities of a term: its rows B, and products with its linearisation L.
 
     direct    K d' = -B^T L [B' d, h', w', theta', X'] - B'^T s        Eq. (70)
     adjoint   the transposes of the same products, swept backwards
@@ -12,7 +12,8 @@ import numpy as np
 
 
 class Basis(Protocol):
-    """The rows B of a term, and all else that a design moves: X, weights, parameters."""
+    """Rows B of a term, and all other quantities that depend on the design: X, weights,
+    parameters."""
 
     def rates(self, shape, rates):
         """Rates for the ``ParameterRates``; ``shape`` are the ``DiscretizationRates``."""
@@ -27,13 +28,13 @@ class Basis(Protocol):
 
 
 class LinearizedTerm:
-    """A term at one converged step: products with rates and with seeds, of columns for P parameters or
-    M measures. Defaults: no memory."""
+    """Term at one converged step: products with rates and with seeds, in columns for P parameters
+    or M measures. By default it has no history."""
 
     # ---- direct ----
 
     def rates(self, design, history, prescribed, load):
-        """Rates at fixed d of what the term gives, (s', h+', o').
+        """Compute the rates at fixed d of the results of the term, (s', h+', o').
 
         Parameters
         ----------
@@ -58,7 +59,7 @@ class LinearizedTerm:
     # ---- what the next step uses of d ----
 
     def passed_on(self, following):
-        """``PassedOn``, or None where the next step uses nothing."""
+        """Return ``PassedOn``, or None if the next step does not depend on the term."""
 
     def loads_of(self, passed) -> np.ndarray:
         """B^T G of what is passed on, (n_equations + 1, c)."""
@@ -71,7 +72,7 @@ class LinearizedTerm:
     # ---- adjoint ----
 
     def seeds(self, history_bar, taken=None):
-        """Seeds (s_bar = 0, h+_bar, o_bar) on what the term gives.
+        """Return the seeds (s_bar = 0, h+_bar, o_bar) on the results of the term.
 
         Parameters
         ----------

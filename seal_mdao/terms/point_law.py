@@ -1,4 +1,4 @@
-"""Terms at single points that are one formula: a class with a law, and nothing to derive by hand.
+"""Terms at single points defined by one formula, whose derivatives are computed by complex steps.
 
 The columns of the law's linearisation are found by complex steps, exact to rounding: with the step
 1e-30 i in one input, the imaginary part of the law over 1e-30 is its derivative. A class may give the
@@ -19,7 +19,7 @@ COMPLEX_STEP = 1e-30
 
 
 class LawInputs(NamedTuple):
-    """What a law takes at s points.
+    """Inputs of a law at s points.
 
     Attributes
     ----------
@@ -43,8 +43,8 @@ class LawInputs(NamedTuple):
 
 
 class PointLaw(TermDefinition):
-    """Base class of a term given by its law. A subclass is a frozen dataclass with the fields ``label``
-    and ``where`` (``MaterialPoints``), and gives ``evaluate``.
+    """Base class of a term given by its law. A subclass is a frozen dataclass with the fields
+    ``label`` and ``where`` (``MaterialPoints``), and defines ``evaluate``.
 
     Attributes
     ----------
@@ -75,12 +75,14 @@ class PointLaw(TermDefinition):
         raise NotImplementedError
 
     def linearize(self, given: LawInputs, fraction: float) -> np.ndarray:
-        """Derivatives of the law: rows force, history, outputs; columns x, history, measure, parameters,
-        X; shape (s, rows, columns). By complex steps where a class does not give them."""
+        """Compute the derivatives of the law: rows force, history, outputs; columns x, history,
+        measure, parameters, X; shape (s, rows, columns). Complex steps are used unless a subclass
+        overrides this."""
         return self._by_complex_steps(given, fraction)
 
     def tangent(self, given: LawInputs, fraction: float) -> np.ndarray:
-        """Derivatives of the force with x alone, for every Newton iteration; shape (s, 2, 2)."""
+        """Compute the derivatives of the force with respect to x, for every Newton iteration; shape
+        (s, 2, 2)."""
         if type(self).linearize is PointLaw.linearize:
             return self._by_complex_steps(given, fraction, 2)[:, :2]
         return self.linearize(given, fraction)[:, :2, :2]
@@ -97,7 +99,8 @@ class PointLaw(TermDefinition):
         return np.stack(columns, axis=2)
 
     def evaluated(self, given: LawInputs, fraction: float) -> tuple:
-        """(force, history, outputs) of the law, empty where the class has none."""
+        """Return (force, history, outputs) of the law, empty arrays for those that the class does
+        not have."""
         found = self.evaluate(given, fraction)
         found = found if isinstance(found, tuple) else (found,)
         none = np.empty((len(given.x), 0))
@@ -138,7 +141,7 @@ def _given(definition: PointLaw, flat: np.ndarray) -> LawInputs:
 
 
 class LawTerm(PointTerm):
-    """A ``PointLaw`` on one design."""
+    """``PointLaw`` for one design."""
 
     uses_reference = True
 

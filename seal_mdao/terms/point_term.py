@@ -1,4 +1,4 @@
-"""Terms that act at single material points, each through its own row of shape functions.
+"""Terms that act at single material points, each with its own row of shape functions.
 
 A term of this kind gives the force of its points and the derivatives of that force with respect to
 the point's inputs; everything else (assembly, tangent, history, direct and adjoint sensitivities with
@@ -25,7 +25,7 @@ from seal_mdao.terms.term_at_points import TermAtPoints
 
 
 class PointResponse(NamedTuple):
-    """What a term answers at k points.
+    """Response of a term at k points.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class PointResponse(NamedTuple):
     unconverged: int = 0
 
     def copied(self):
-        """A copy that later assemblies do not overwrite."""
+        """Return a copy that later assemblies do not overwrite."""
         return self._replace(
             x=self.x.copy(), force=self.force.copy(), tangent=self.tangent.copy(),
             branch=self.branch.copy(), history=_copied(self.history), outputs=self.outputs.copy(),
@@ -71,7 +71,7 @@ def _copied(history):
 
 
 class PointTerm(TermAtPoints):
-    """Base class of a term at single points. A subclass gives ``respond`` and ``linearize``.
+    """Base class of a term at single points. A subclass defines ``respond`` and ``linearize``.
 
     Attributes
     ----------
@@ -89,11 +89,13 @@ class PointTerm(TermAtPoints):
     # ---- what a subclass gives ----
 
     def respond(self, x, fraction, history) -> PointResponse:
-        """Forces at the deformed places ``x`` (k, 2) and the path parameter ``fraction``."""
+        """Compute the forces at the deformed positions ``x`` (k, 2) and the path parameter
+        ``fraction``."""
         raise NotImplementedError
 
     def linearize(self, response, fraction, history, points) -> np.ndarray:
-        """Derivatives at the ``points`` (s,) of a converged step, which began with ``history``.
+        """Compute the derivatives at the ``points`` (s,) of a converged step that began with
+        ``history``.
 
         Returns
         -------
@@ -111,14 +113,14 @@ class PointTerm(TermAtPoints):
         return directions_of(used, np.broadcast_to(np.eye(2), (used.size, 2, 2)))
 
     def uses_history(self, following: PointResponse) -> np.ndarray:
-        """Points whose history a step used."""
+        """Return the points whose history a step used."""
         return np.flatnonzero(following.branch) if self.history_size else np.empty(0, int)
 
     # ---- the contract of a term ----
 
     @cached_property
     def spaces(self) -> tuple:
-        """How a local linearisation's rows and columns are laid out."""
+        """Return the layout of rows and columns of a local linearisation."""
         h, reference = self.history_size, 2 if self.uses_reference else 0
         return (
             PointByPoint(Outputs, (2, h, len(self.output_names))),
@@ -134,14 +136,14 @@ class PointTerm(TermAtPoints):
         return self.assembled(self.respond(self.deformed(raw), fraction, history), force, values)
 
     def deformed(self, raw) -> np.ndarray:
-        """Deformed places (k, 2) of the points, in a buffer."""
+        """Compute the deformed positions (k, 2) of the points, in a buffer."""
         interpolate(self.table.raw, raw, self._x)
         # x = X + Phi d
         self._x += self.reference
         return self._x
 
     def assembled(self, response: PointResponse, force, values) -> PointResponse:
-        """Add the forces and tangents of a ``response`` to the buffers; it is returned."""
+        """Add the forces and tangents of a ``response`` to the buffers, and return it."""
         assemble_points(
             self.table.raw, response.force, response.tangent, response.branch, self.scatter, force,
             values,

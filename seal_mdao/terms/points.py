@@ -1,4 +1,4 @@
-"""Material points of a boundary at which terms act, with the lengths they stand for."""
+"""Material points of a boundary at which terms act, with their tributary lengths."""
 
 from dataclasses import dataclass, replace
 
@@ -16,7 +16,7 @@ particles that move as the mean of the edges beside them."""
 
 @dataclass(frozen=True, eq=False)
 class MaterialPoints:
-    """Points that move with the particles, and the measure (length, ...) that each stands for.
+    """Points that move with the particles, and the measure (length, ...) that each represents.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class MaterialPoints:
 
     @property
     def at_particles(self) -> np.ndarray:
-        """The particle at every point, shape (k,).
+        """Particle at every point, shape (k,).
 
         Raises
         ------
@@ -76,13 +76,13 @@ class MaterialPoints:
         return summed / np.where(total > 0.0, total, 1.0)
 
     def lengths(self, particles: np.ndarray) -> np.ndarray:
-        """Length of the section that each point stands for, shape (k,)."""
+        """Tributary length of each point along the section, shape (k,)."""
         # l = sum_e fraction |X_b - X_a|
         return self.fixed + self._edge_lengths(particles).sum(axis=1)
 
     def measures(self, particles: np.ndarray) -> np.ndarray:
-        """Length that each point stands for; in a body of revolution the area per mm of section,
-        mm m, shape (k,)."""
+        """Tributary length of each point; in a body of revolution the area per mm of section, mm m,
+        shape (k,)."""
         if self.radial is None:
             return self.lengths(particles)
         # sum_e fraction |X_b - X_a| c_e,  c = 2 pi R
@@ -150,13 +150,13 @@ class MaterialPoints:
 
 
 def single_points(which: np.ndarray) -> PointSet:
-    """Point set of the particles ``which`` themselves, one a group."""
+    """Create points at the particles ``which``, one a group."""
     which = np.asarray(which, int).reshape(-1, 1)
     return PointSet(which, np.ones(which.shape), 1)
 
 
 def boundary_particles(which: np.ndarray, neighbours: np.ndarray) -> MaterialPoints:
-    """Boundary particles with half the length of the edges at each.
+    """Create points at boundary particles, with half the length of the adjacent edges.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def boundary_particles(which: np.ndarray, neighbours: np.ndarray) -> MaterialPoi
 
 
 def edge_points(edges: np.ndarray, n_gauss: int = 3) -> MaterialPoints:
-    """Gauss points of straight boundary edges (m, 2), with their weights times the edges' lengths."""
+    """Create Gauss points of straight boundary edges (m, 2), with weights times edge lengths."""
     g, w = np.polynomial.legendre.leggauss(n_gauss)
     # X = (1 - g)/2 X_a + (1 + g)/2 X_b, length w/2 |X_b - X_a|
     between = np.column_stack([0.5 * (1 - g), 0.5 * (1 + g)])
@@ -184,7 +184,7 @@ def edge_points(edges: np.ndarray, n_gauss: int = 3) -> MaterialPoints:
 
 
 def fixed_points(points: PointSet, measure: np.ndarray) -> MaterialPoints:
-    """Points whose measure no design changes, one a group."""
+    """Create points whose measure does not depend on the design, one a group."""
     k = len(points.anchors)
     return MaterialPoints(
         PointSet(points.anchors, points.weights, 1), np.broadcast_to(measure, (k,)).astype(float),

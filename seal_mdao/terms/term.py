@@ -1,4 +1,4 @@
-"""The contract of a term: one contribution to the equations of equilibrium R = sum of terms = 0.
+"""Base class of a term: one contribution to the equilibrium equations R = sum of terms = 0.
 
 The path solver, the predictor and both sensitivity sweeps loop over terms and never ask which. A term
 is defined once, by a frozen ``TermDefinition``, and bound to one discretised design with its method
@@ -16,7 +16,7 @@ from seal_mdao.terms.linearized_term import Basis, LinearizedBlock, LinearizedTe
 
 
 class Scalar(NamedTuple):
-    """A scalar parameter.
+    """Scalar parameter.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Scalar(NamedTuple):
 
 
 class Response(Protocol):
-    """What a term answers at one state of the body.
+    """Response of a term at one state of the body.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Response(Protocol):
     """
 
     def copied(self) -> "Response":
-        """A copy that later assemblies do not overwrite."""
+        """Return a copy that later assemblies do not overwrite."""
 
 
 class TermDefinition:
@@ -67,15 +67,16 @@ class TermDefinition:
 
     @property
     def scalars(self) -> dict:
-        """The scalar parameters it depends on, ``Scalar`` by name."""
+        """Scalar parameters of the term, ``Scalar`` by name."""
         return {}
 
     def with_parameters(self, values: dict) -> "TermDefinition":
-        """A copy with some of the ``scalars`` changed."""
+        """Return a copy with some of the ``scalars`` changed."""
         return self
 
     def with_ends(self, ends) -> "TermDefinition":
-        """The same for a path whose load steps end elsewhere, ``ends`` in nominal steps of now.
+        """Return the term for a load path with other load steps, whose ``ends`` are in present
+        nominal steps.
 
         What grows or moves along the path overrides it.
 
@@ -93,13 +94,13 @@ class TermDefinition:
         """Pairs (m, 2) of its points that may act on each other, both ways; or None."""
 
     def on(self, discretization, index: int) -> "Term":
-        """The term on one design, the one number ``index``: ``discretization.tables[index]`` holds the
-        shape functions at its points."""
+        """Build the term for one design; ``discretization.tables[index]`` holds the shape functions
+        at its points."""
         raise NotImplementedError
 
 
 class Term:
-    """A term on one discretised design. Defaults: no memory, no parameters, nothing that moves.
+    """Term for one discretised design. By default it has no history, no parameters and no motion.
 
     Attributes
     ----------
@@ -140,7 +141,7 @@ class Term:
         return None
 
     def no_history(self):
-        """History of the undeformed state."""
+        """Return the history of the undeformed state."""
 
     def add(self, d, raw, fraction, history, force, values) -> Response | None:
         """Add force and tangent at displacements ``d``.
@@ -198,7 +199,8 @@ class Term:
         """Raise GeometryError where the undeformed state is not admissible."""
 
     def changes(self, step, response: Response, target: float) -> list:
-        """How the force changes between a converged step and ``target`` at fixed displacements.
+        """Compute the change of the force between a converged step and ``target`` at fixed
+        displacements.
 
         Returns
         -------
@@ -208,11 +210,12 @@ class Term:
         return []
 
     def potential(self, d, response: Response) -> float:
-        """Potential of a conservative term at displacements ``d``, where it gave ``response``, mJ/m."""
+        """Compute the potential of a conservative term at displacements ``d`` with ``response``,
+        mJ/m."""
         raise NotImplementedError
 
     def released_energy(self, step, before: Response, d, response: Response, target: float):
-        """Bound from below the energy that the term releases in an increment.
+        """Compute a lower bound of the energy that the term releases in an increment.
 
         Parameters
         ----------
@@ -237,7 +240,7 @@ class Term:
         return work_of_forces(before, response) if hasattr(response, "x") else (-math.inf, 0.0)
 
     def describe(self, response: Response, fraction: float) -> str:
-        """A few words about a state, for messages."""
+        """Describe a state in a few words, for messages."""
         return ""
 
     def kinks(self, response: Response, fraction: float, history, following=None):
@@ -277,7 +280,7 @@ class Term:
         whose ``linearization`` has all of it."""
 
     def no_rates(self, count: int):
-        """Zero rates of, or seeds on, its history, in ``count`` columns."""
+        """Return zero rates of its history, or seeds on it, in ``count`` columns."""
 
     def no_seeds(self, n_measures: int):
         """Zero seeds of measures on what they may take from the term: an object with ``used``, ``put``
@@ -286,7 +289,7 @@ class Term:
 
 
 def work_of_forces(before, response) -> tuple[float, float]:
-    """Return the least work of forces at points on the body, and how far it is uncertain, mJ/m.
+    """Compute a lower bound of the work of forces at points on the body, and its uncertainty, mJ/m.
 
     With the forces before and after the increment, where nothing is known of what lies between.
     """

@@ -1,4 +1,4 @@
-"""What terms at material points have in common: their rows of shape functions, history and outputs."""
+"""Common base of terms at material points: rows of shape functions, history and outputs."""
 
 from functools import cached_property
 
@@ -43,7 +43,7 @@ class TermAtPoints(Term):
 
     @property
     def history_dependent(self) -> bool:
-        """Whether a step depends on the one before at all."""
+        """Whether a step depends on the previous one."""
         return self.history_size > 0
 
     @cached_property

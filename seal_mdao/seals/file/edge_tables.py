@@ -178,8 +178,7 @@ class FluidTable(Table):
 
 @table
 class PairTable(Table):
-    """Two edges that may touch each other, or one that may touch itself, with their own
-    friction."""
+    """Two edges that may touch each other, or one that may touch itself, with own friction."""
 
     edges: many(Text, 'one name of an edge, or two, such as ["left", "right"]', 1, 2) = key(
         "both edges, or one for itself"

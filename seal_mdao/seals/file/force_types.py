@@ -183,8 +183,7 @@ def _load_deflection_error(value, data=None, weight=None, **own):
 
 @kind("load_deflection_error", _load_deflection_error)
 class LoadDeflectionErrorTable(ReactionTable):
-    """Sum of the squared differences between the force and a target curve, relative to the
-    target."""
+    """Sum of the squared relative differences between the force and a target curve."""
 
     value: Forces | None = key(
         "target force at every travel, stage or time, in the units of the force", None

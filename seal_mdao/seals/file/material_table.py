@@ -225,8 +225,7 @@ AnyLaw = Annotated[
 
 @table(kw_only=True)
 class ShoreTable(MaterialTable):
-    """Dense rubber given by its hardness: neo-Hookean, Young's modulus by Gent's relation
-    (1958)."""
+    """Dense rubber by its hardness: neo-Hookean, Young's modulus by Gent's relation (1958)."""
 
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
         "hardness, instead of a law; a parameter that may vary"
