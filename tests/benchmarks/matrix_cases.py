@@ -106,12 +106,13 @@ FLAG_SHARE = 0.2
 
 
 def drawn_cases(count: int = DRAWN, seed: int = DRAWN_SEED) -> list[Case]:
-    """Cases drawn at random, by this rule for one after the other.
+    """Cases drawn at random, one after the other.
 
-    Friction evenly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both to two decimals; one of the
-    ``CONTROL_VALUES``; either history; the exact door or, as likely, 8 to 64 segments; a random start
-    within 0.3 mm with a seed from 1 to 9999 in three cases of four, else the nominal seal; each of the
-    ``FLAGS`` in one case of five.
+    Friction is drawn uniformly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both to two decimals.
+    The number of parameters is 26, 16 or 10, and the friction history one of two. The door is exact
+    or, with the same probability, has 8 to 64 segments. In three of four cases the initial design is
+    random within 0.3 mm, with a seed from 1 to 9999. Each of the options ``keep_force`` to
+    ``gap_integral`` is set in one of five cases.
     """
     rng = np.random.default_rng(seed)
     return [_drawn_case(rng) for _ in range(count)]

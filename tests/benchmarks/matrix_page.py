@@ -11,31 +11,54 @@ VIOLATION = 1e-3
 
 HEAD = """# Robustness of the optimisation
 
-`python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` writes
-this page from the runs that it makes; an interrupted run is continued. It solves problem (71)
-for the paper's case, for each factor changed alone, for 20 combinations of the factors, and for
-{run} of {drawn} random cases, with every optimiser of {{mod}}`seal_mdao.optimization` at its settings
-there.
+This page lists optimisations of the door seal by problem (71): the paper's case, each factor changed
+alone, 20 combinations of the factors, and {run} of {drawn} random cases. Each case is solved by every
+optimiser of {{mod}}`seal_mdao.optimization` with the settings of this module. The command
+`python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` runs
+them and writes this page; after an interruption the same command continues.
 
-A run has converged when the optimiser reports success, the optimality conditions hold to {kkt:g}
-(largest entry of the scaled Lagrangian's gradient, KKT in the tables, measured in the same way for
-all by {{py:class}}`~seal_mdao.drivers.optimality.Optimality`) and the limits to {violation:g}.
-These tolerances, the seed of the random cases and their distribution were fixed before the first
-run, and each case is run once. Costs are fractions of that of the nominal seal. They cannot fall
-below zero, so the cost of a run is an upper bound of the possible further improvement. The gap is
-the largest one between the first and the last contact, wherever it opens.
+A run has converged if the optimiser reports success, the error of the optimality conditions is at
+most {kkt:g}, and no constraint is violated by more than {violation:g}. The error of the optimality
+conditions (KKT in the tables) is the largest entry of the gradient of the scaled Lagrangian or of the
+complementarity products, computed in the same way for all optimisers by
+{{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These tolerances, the seed of the random cases
+and their distribution were fixed before the first run, and each case is run once. The cost is given
+relative to that of the nominal seal. It cannot be negative, so the cost of a run is an upper bound of
+the possible further improvement.
+
+"""
+LEGEND = """| in a case | meaning |
+|---|---|
+| `corner_x` | position where the flat part of the door ends, mm; paper: 2 |
+| friction | friction coefficient; paper: 0.25 |
+| parameters | number of design parameters; paper: 26; 10 are those of a symmetric section |
+| `friction_history incremental` | the other [friction history](theory/contact.md) |
+| segments | door contour as a polygon of this many segments; paper: exact contour |
+| start | seed of a random initial design, within 0.2 mm unless given; paper: nominal seal |
+| `keep_force` | the final vertical reaction must stay within 10 % of that of the nominal seal |
+| `clamp_load` | the same for the reaction at 2, 4, 6, 8 and 10 mm |
+| `pressure_floor` | each contact patch must keep half of the pressure of the nominal seal |
+| `stress_norm` | limit on the p-norm of the stress of all particles instead of seven limits |
+| `gap_integral` | the objective is the integral of the squared gap instead of the sum over points |
 
 """
 FACTORS_TEXT = """## The paper's case, single changes, combinations
 
-`corner_x` 0, 2, 4 mm; friction 0.15, 0.25, 0.4; 26 parameters, or 10 of a symmetric section; both
-friction histories; exact door and 32 segments; the nominal seal and three random starts within 0.2
-mm.
+Each cell lists major iterations (not recorded for SLSQP), analyses, cost, and KKT.
+
+"""
+FAILURES_TEXT = """## Failures
+
+`SUCCESS` is the message of SLSQP when the objective no longer changes; the optimality conditions are
+not satisfied there.
+
+"""
+GAP_TEXT = """The gap is the largest one between the first and the last contact.
 
 """
 DRAWN_TEXT = """## Random cases
 
-Drawn with seed {seed}. {rule}
+{rule} The seed is {seed}.
 
 """
 
@@ -63,7 +86,10 @@ def page(table: list[dict], drawn: set[str]) -> str:
         ),
     )
     run = len({row["case"] for row in table} & drawn)
-    text = HEAD.format(run=run, drawn=len(drawn), kkt=KKT, violation=VIOLATION) + _summary(table)
+    text = HEAD.format(run=run, drawn=len(drawn), kkt=KKT, violation=VIOLATION)
+    text += _summary(table) + LEGEND
+    if any("largest_gap_mm" in row for row in table):
+        text += GAP_TEXT
     text += "".join(head + markdown(rows) + "\n" for head, rows in kinds if rows)
     return text + _failures(table) + _versions(table)
 
@@ -118,17 +144,17 @@ def _failures(table: list[dict]) -> str:
     failed = [row for row in table if not converged(row)]
     if not failed:
         return "## Failures\n\nNone.\n\n"
-    lines = [
-        f"- {row['optimizer']}, {row['case']}: {_numbers(row)}{' '.join(row['message'].split())}"
-        for row in failed
-    ]
-    return "## Failures\n\n" + "\n".join(lines) + "\n\n"
+    lines = ["| optimiser | case | KKT | violation | exit message |", "|---|---|---|---|---|"]
+    for row in failed:
+        message = " ".join(row["message"].split())
+        lines.append(f"| {row['optimizer']} | {row['case']} | {_numbers(row)} | {message} |")
+    return FAILURES_TEXT + "\n".join(lines) + "\n\n"
 
 
 def _numbers(row: dict) -> str:
     if row["cost"] is None:
-        return ""
-    return f"KKT {row['optimality']:.1e}, violation {row['violation']:.1e}; "
+        return " | "
+    return f"{row['optimality']:.1e} | {row['violation']:.1e}"
 
 
 def _versions(table: list[dict]) -> str:

@@ -129,8 +129,8 @@ def test_page_lists_all_cases_and_every_failure():
     assert "A converged in 1 of 2 cases, with 10 analyses in the median and 10 at most" in first
     assert f"| {drawn} | **failed**: 8 iterations" in second
     assert str(cases.DRAWN_SEED) in second
-    assert f"- A, {drawn}: KKT 5.0e-03, violation 0.0e+00; no progress" in second
-    assert f"- B, {drawn}: LoadPathError: cut" in second
+    assert f"| A | {drawn} | 5.0e-03 | 0.0e+00 | no progress |" in second
+    assert f"| B | {drawn} |  |  | LoadPathError: cut |" in second
     assert second.endswith("Made with scipy 1.17.\n")
 
 
