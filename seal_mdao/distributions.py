@@ -1,4 +1,4 @@
-"""Distributions of a number that varies, and what the number does to parameters of a seal."""
+"""Distributions of a varying number, and its effect on parameters of a seal."""
 
 from dataclasses import dataclass
 from functools import cached_property

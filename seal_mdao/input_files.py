@@ -1,4 +1,4 @@
-"""Read files of users, or files that these name: only ordinary ones of bounded size."""
+"""Read files of users, and files named in them: only ordinary files of bounded size."""
 
 import errno
 import os
@@ -88,7 +88,7 @@ def _too_large(path) -> OSError:
 
 
 def reason_of(error: BaseException) -> str:
-    """Say why a library cannot read a file, without its message, which may quote the file.
+    """Describe why a library cannot read a file, without its message, which may quote the file.
 
     Returns what the operating system says, or the kind of the error, and the line if it names one.
     """

@@ -26,7 +26,7 @@ INTERVAL = 10.0
 
 
 class Waiting:
-    """Line every ten seconds, on standard error, while work that counts no steps is done.
+    """Print a line every ten seconds on standard error during work without countable steps.
 
     A context manager; its lines give the time since it was entered.
 

@@ -140,7 +140,7 @@ def require(condition, message: str) -> None:
 
 
 def place(point) -> str:
-    """Format coordinates in mm for a message, what rounding leaves of a zero as 0."""
+    """Format coordinates in mm for a message; zeros up to rounding are written as 0."""
     # 1e-9 mm is beyond any section in mm
     x, y = (round(float(own), 9) + 0.0 for own in point)
     return f"x = {x:.3g}, y = {y:.3g}"

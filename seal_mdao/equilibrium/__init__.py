@@ -1,1 +1,1 @@
-"""The discretised body, its degrees of freedom, the assembly of the tangent, linear solvers."""
+"""Discretised body, its degrees of freedom, assembly of the tangent, linear solvers."""

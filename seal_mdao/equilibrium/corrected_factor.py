@@ -41,12 +41,13 @@ class CorrectedFactor:
 
     @property
     def nbytes(self) -> int:
-        """Memory."""
+        """Memory of the factor, bytes."""
         return self.factor.nbytes + 3 * self.columns.nbytes
 
     @property
     def positive(self) -> bool:
-        """Whether a symmetric matrix is positive definite, another's determinant positive."""
+        """Whether a symmetric matrix is positive definite; for an unsymmetric one, whether its
+        determinant is positive."""
         if not self.symmetric:
             # det(K + P D P^T) = det K det(1 + D P^T K^-1 P)
             sign = np.linalg.slogdet(self.relative)[0]

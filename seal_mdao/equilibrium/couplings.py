@@ -10,7 +10,7 @@ from seal_mdao.rkpm.shape_functions import ShapeTable
 
 
 class Link(NamedTuple):
-    """Pairs of points of one term that may act on each other, as in self-contact.
+    """Pairs of points of one term that may interact, as in self-contact.
 
     Attributes
     ----------

@@ -41,7 +41,8 @@ class BandedFactor:
 
     @property
     def positive(self) -> bool:
-        """Whether a symmetric matrix is positive definite, another's determinant positive."""
+        """Whether a symmetric matrix is positive definite; for an unsymmetric one, whether its
+        determinant is positive."""
         if self.definite is not None:
             return self.definite
         # sign of det K = (-1)^(row exchanges + negative pivots); U's diagonal is band row 2 w
@@ -119,7 +120,8 @@ class SparseFactor:
 
     @cached_property
     def positive(self) -> bool:
-        """Whether a symmetric matrix is positive definite, another's determinant positive."""
+        """Whether a symmetric matrix is positive definite; for an unsymmetric one, whether its
+        determinant is positive."""
         pivots = self.lu.U.diagonal()
         # Sylvester's law of inertia: with P K P^T = L D L^T the pivots have the signs of the eigenvalues
         if self.symmetric and np.array_equal(self.lu.perm_r, self.lu.perm_c):
@@ -134,7 +136,7 @@ class SparseFactor:
 
 
 def exchanges(permutation: np.ndarray) -> int:
-    """Count the exchanges that make a permutation: its length less the number of its cycles."""
+    """Count the transpositions of a permutation: its length minus the number of its cycles."""
     n = permutation.size
     links = csc_array((np.ones(n, np.int8), (np.arange(n), permutation)), shape=(n, n))
     return n - connected_components(links, directed=False, return_labels=False)

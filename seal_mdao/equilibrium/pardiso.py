@@ -87,8 +87,9 @@ class PardisoFactor:
 
     @cached_property
     def positive(self) -> bool:
-        """Whether a symmetric matrix is positive definite; of another one whether its eigenvalue
-        nearest to zero is positive, for PARDISO reports no sign of the determinant."""
+        """Whether a symmetric matrix is positive definite; for an unsymmetric one, whether its
+        eigenvalue nearest to zero is positive, because PARDISO does not report the sign of the
+        determinant."""
         if self.definite is not None:
             return self.definite
         return nearest_mode(self, self.matrix.shape[0], symmetric=False)[0] > 0.0

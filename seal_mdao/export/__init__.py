@@ -1,1 +1,1 @@
-"""Results for other programs: tables (CSV), ParaView (VTU)."""
+"""Export of results: tables (CSV), ParaView (VTU), Abaqus input files."""

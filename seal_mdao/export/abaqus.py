@@ -1,4 +1,4 @@
-"""Export of a seal file's section, contact and motion to Abaqus, for a second opinion.
+"""Export of a seal file's section, contact and motion to Abaqus, for comparison.
 
 Lengths are in mm, stresses in kPa and the thickness is 1 mm, so forces are in mN per mm, which is N/m. A
 ring has axisymmetric elements, and forces in mN.
@@ -27,7 +27,7 @@ MOST_INCREMENTS = 10_000
 
 
 def require_exportable(file: SealFile) -> None:
-    """Refuse a file with a material that Abaqus does not have.
+    """Raise an error for a file with a material that Abaqus does not have.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:
 
 
 def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
-    """List what the input file does not have."""
+    """List the parts of a seal file that the input file does not contain."""
     found = [f"[[cavity]] of hole {own.hole}: trapped air" for own in file.cavities]
     found += [f"[[fluid]] {own.name!r}: fluid pressure" for own in file.fluids]
     found += [f"[[term]] {own.name!r}" for own in file.terms]
@@ -114,7 +114,7 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
 
 
 def name_of(*words: str) -> str:
-    """Make a name that Abaqus takes: letters, digits and underscores, with capitals alone."""
+    """Convert a name to letters, digits and underscores, in capitals, as Abaqus accepts it."""
     return re.sub(r"\W", "_", "_".join(words), flags=re.ASCII).upper()
 
 

@@ -33,7 +33,7 @@ def surface_lines(profile: RigidProfile, pose: Pose) -> list[str]:
 
 
 def has_cubic(profile: RigidProfile) -> bool:
-    """Return whether straight segments take the place of cubic pieces."""
+    """Return whether cubic pieces are replaced by straight segments."""
     return bool((profile.kind == CUBIC).any())
 
 

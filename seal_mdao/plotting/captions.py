@@ -35,7 +35,7 @@ def captioned(seals: Mapping[str, str] | None = None, date: str = "") -> Iterato
 
 
 def today() -> str:
-    """Return the date as ``2026-11-25``.
+    """Return the date in the form ``2026-11-25``.
 
     It is that of ``SOURCE_DATE_EPOCH`` (seconds since 1970, as reproducible builds set it) where the
     variable is set.

@@ -1,4 +1,4 @@
-"""Meshless fields between the particles: deformed position and stress on a fine grid."""
+"""Meshless fields between the particles: deformed positions and stress on a fine grid."""
 
 from dataclasses import dataclass
 

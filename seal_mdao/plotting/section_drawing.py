@@ -85,13 +85,14 @@ def size_of(result: SealResult) -> float:
 
 
 def profile_face(result: SealResult, contact, fraction: float) -> np.ndarray:
-    """Points along a profile after ``fraction`` nominal steps, shape (n, 2), mm."""
+    """Compute points along a profile after ``fraction`` nominal steps, shape (n, 2), mm."""
     face = face_of(contact.shape.profile(), size_of(result))
     return contact.motion.pose(fraction).places(face)
 
 
 def face_of(profile: RigidProfile, size: float) -> np.ndarray:
-    """Points along a profile in its own frame beside a section of a ``size`` (mm), shape (n, 2), mm.
+    """Compute points along a profile in its own frame beside a section of a ``size`` (mm), shape
+    (n, 2), mm.
 
     A closed one ends at its first point; an open one is extended where it ends in lines.
     """
@@ -117,7 +118,8 @@ def profile_body(result: SealResult, contact, fraction: float):
 
 
 def rigid_side(profile: RigidProfile, face: np.ndarray, size: float):
-    """The rigid side of a profile with the points ``face`` (n, 2), in any frame, as ``profile_body``."""
+    """Build the rigid side of a profile with the points ``face`` (n, 2), in any frame, as
+    ``profile_body``."""
     depth = DEPTH * size
     if profile.period == 0.0:
         return left_of(face, depth)
@@ -145,7 +147,7 @@ def left_of(line: np.ndarray, depth: float):
 
 
 def outlines(body) -> list[np.ndarray]:
-    """Closed lines (k, 2) around a shapely polygon, or several, and around their holes."""
+    """Return closed lines (k, 2) around a shapely polygon, or several, and around their holes."""
     parts = body.geoms if isinstance(body, MultiPolygon) else [body]
     return [np.asarray(ring.coords) for part in parts for ring in (part.exterior, *part.interiors)]
 
@@ -287,7 +289,7 @@ def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
 
 
 def near_axis(seal) -> bool:
-    """Whether pictures of a seal show both halves of a ring, whose inner radius is at most ``NARROW``
+    """Whether pictures of a ring show both halves, because its inner radius is at most ``NARROW``
     times the size of its section."""
     particles = seal.nominal_particles
     size = np.ptp(particles, axis=0).max()
@@ -295,8 +297,8 @@ def near_axis(seal) -> bool:
 
 
 def frame(axes: Axes, low, high, seal=None) -> None:
-    """Set equal aspect, window and axis labels, when all else is drawn; x is the radius of a ``seal``
-    that is a ring, with its axis and, near to it, the mirror image in a lighter tone."""
+    """Set equal aspect, window and axis labels after all else is drawn. For a ``seal`` that is a
+    ring, x is the radius; its axis is drawn and, near it, the mirror image in a lighter tone."""
     axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     ring = seal is not None and seal.body.axisymmetric
     across = "radius" if ring else "x"

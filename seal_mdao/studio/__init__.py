@@ -1,1 +1,2 @@
-"""Live section: a local page on which a seal is changed by dragging (``seal-mdao studio``)."""
+"""Live section: a page in the browser on which a seal is changed by dragging (``seal-mdao
+studio``)."""

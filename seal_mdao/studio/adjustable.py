@@ -35,7 +35,7 @@ SAME = 1e-12
 
 @dataclass(frozen=True)
 class Adjustable:
-    """A number that the page changes.
+    """Number that the page can change.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ def _with_stages(motion: Motion, label: str, count: int) -> Motion:
 
 
 def adjustables(file: SealFile, tables: dict, seal: Seal) -> list[Adjustable]:
-    """List what the page may change, the offsets of the design first.
+    """List the numbers that the page can change, the offsets of the design first.
 
     Parameters
     ----------

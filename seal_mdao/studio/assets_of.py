@@ -1,4 +1,4 @@
-"""Parts of the page: its own, and those of the report."""
+"""Parts of the page: HTML, style and scripts of the live section and of the report."""
 
 from importlib.resources import files
 

@@ -1,4 +1,5 @@
-"""Improve a design: the optimisation of the seal file from a design of the page, drawn as it runs."""
+"""Improve a design: run the optimisation of the seal file from a design of the page and send every
+analysis."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,7 +29,7 @@ class ShownAnalyses(AnalysisCache):
 
 
 def improve(bench: Workbench, design: list, send: Callable) -> None:
-    """Run the optimisation that ``[optimize]`` asks for from a design, with its parameters.
+    """Run the optimisation of ``[optimize]`` from a design, with its parameters.
 
     Every new analysis is sent as a state with its design; the last state has ``message``, how the run
     ended, and the best design.

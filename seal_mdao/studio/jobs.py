@@ -10,7 +10,7 @@ from seal_mdao.studio.workbench import StoppedError, Workbench
 
 
 class Jobs:
-    """Does jobs with the open seal file, and sends what comes of them.
+    """Executes jobs with the open seal file, and sends their results.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Jobs:
         self._serial, self._bench = 0, None
 
     def run(self, serial: int, kind: str, arguments: dict, failures: tuple, noted: list) -> None:
-        """Do a job; its results, ``stopped`` or ``failed`` are sent.
+        """Execute a job; its results, ``stopped`` or ``failed`` are sent.
 
         ``noted`` are the warnings of the job, which are sent with its results.
         """

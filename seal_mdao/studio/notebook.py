@@ -1,4 +1,4 @@
-"""The live section in a notebook: its page in a frame."""
+"""The live section in a notebook, in a frame."""
 
 import asyncio
 from html import escape

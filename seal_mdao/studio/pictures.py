@@ -1,5 +1,5 @@
-"""What the page draws, as values of JSON: the scene of a seal file, states of its designs, and their
-first-order changes. Arrays are base64 text of 32-bit floats."""
+"""Data of the pictures on the page, as values of JSON: the scene of a seal file, states of its
+designs, and their first-order changes. Arrays are base64 text of 32-bit floats."""
 
 import base64
 from itertools import pairwise
@@ -49,7 +49,7 @@ def plain(value) -> list | float | None:
 
 
 def scene(nominal: SealResult, fine: FineGrid, numbers: list[Adjustable]) -> dict:
-    """Return what stays the same for all designs of a seal file.
+    """Return the data that are the same for all designs of a seal file.
 
     Parameters
     ----------
@@ -180,8 +180,8 @@ def _pressure(result, contact, step: int) -> dict:
 
 
 def curves(result: SealResult) -> list[dict]:
-    """Return the forces on all that moves over its travel, where the path is one line there and back,
-    else over the load steps."""
+    """Return the forces on all profiles and moved edges over their travel if the motion is one line
+    forwards and backwards, else over the load steps."""
     found, done = [], len(result.path.nominal_steps)
     by_label = dict(zip(moving_labels(result.seal), motions(result.seal), strict=False))
     for label in moving_labels(result.seal):

@@ -1,4 +1,4 @@
-"""First-order changes of an analysed path: derivatives of all that the page draws.
+"""First-order changes of an analysed path: derivatives of all pictures and numbers of the page.
 
 Of every parameter p, in columns, from one direct sweep of Eq. (70) over the path:
 

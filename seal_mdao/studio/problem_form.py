@@ -1,5 +1,5 @@
-"""What the page asks of a seal: which edges are fixed, pressed and may move, what is minimised and what
-has to hold; and seal files of drawings that are dropped on it."""
+"""Form of the page for the problem: fixed edges, contact edges, design, objective and constraints;
+and seal files of drawings that are dropped on it."""
 
 import tomllib
 from copy import deepcopy
@@ -23,7 +23,7 @@ MEASURES = (
 
 
 def offered(bench: Workbench) -> dict:
-    """Return what the form of the page shows: edges with their lines (mm), measures, the present
+    """Return the content of the form: edges with their lines (mm), measures, the present
     problem."""
     outline, tables = bench.file.section.outline, bench.tables
     designs = tables.get("design", [])
@@ -51,7 +51,8 @@ def offered(bench: Workbench) -> dict:
 
 
 def write_problem(bench: Workbench, design: list, problem: dict, path: Path) -> None:
-    """Write the seal file with another problem, and with the numbers of the page but its offsets.
+    """Write the seal file with another problem, and with the numbers of the page except its
+    offsets.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The one folder that the live section reads and writes."""
+"""The only folder that the live section reads and writes."""
 
 import re
 from pathlib import Path
@@ -10,11 +10,11 @@ KINDS = (".toml", ".dxf", ".vtu", ".html", ".json", ".csv")
 
 
 class ProjectError(ValueError):
-    """Raised for a name that is not one of a file in the project folder."""
+    """Raised for a name that does not refer to a file in the project folder."""
 
 
 class Project:
-    """A folder; names lead to files directly in it and nowhere else.
+    """Project folder; names refer only to files directly in it.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ class Project:
         return path
 
     def new(self, stem: str, kinds: tuple = (".toml",)) -> str:
-        """Return a name without end that no file has yet: ``stem``, or ``stem_2`` and so on."""
+        """Return a name without extension that no file has yet: ``stem``, or ``stem_2`` and so
+        on."""
         number = 1
         while True:
             name = stem if number == 1 else f"{stem}_{number}"

@@ -1,4 +1,4 @@
-"""Designs of the page as files: a seal file with drawing and particles, as ``write_design``."""
+"""Save designs of the page as seal files with drawing and particles, by ``write_design``."""
 
 import tomllib
 from importlib import import_module
@@ -9,7 +9,8 @@ from seal_mdao.studio.workbench import Workbench
 
 
 def save_design(bench: Workbench, design: list, folder, name: str) -> list[Path]:
-    """Write a design as NAME.toml with NAME.dxf and NAME.vtu; an analysis of the seal file repeats it.
+    """Write a design as NAME.toml with NAME.dxf and NAME.vtu; an analysis of the seal file gives
+    the same results.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The local server of the live section: pages, their web sockets, files.
+"""Local server of the live section: pages, their web sockets, files.
 
 It listens on 127.0.0.1 and answers under an address with a random token only, for its own host and
 origin. Every page has a bounded queue in which newer pictures replace older ones.
@@ -95,7 +95,7 @@ class Studio:
 
 
 class Guarded(RequestHandler):
-    """Handler that answers for the right host, origin and token only."""
+    """Handler that accepts requests with the right host, origin and token only."""
 
     def initialize(self, studio: Studio) -> None:
         self.studio = studio
@@ -128,14 +128,14 @@ class Guarded(RequestHandler):
 
 
 class Nothing(Guarded):
-    """All other addresses."""
+    """Handler of all other addresses."""
 
     def get(self) -> None:
         raise HTTPError(404)
 
 
 class Parts(Guarded):
-    """The page and its parts."""
+    """Handler of the page and its parts."""
 
     def get(self, token: str, name: str) -> None:
         if name and name not in ASSETS:
@@ -146,7 +146,7 @@ class Parts(Guarded):
 
 
 class Files(Guarded):
-    """Files of the project, to download."""
+    """Handler that downloads files of the project."""
 
     def get(self, token: str, name: str) -> None:
         try:
@@ -160,7 +160,7 @@ class Files(Guarded):
 
 
 class Drawings(Guarded):
-    """Drawings that are dropped on the page."""
+    """Handler of drawings that are dropped on the page."""
 
     async def post(self, token: str) -> None:
         name, content = self.get_query_argument("name", ""), self.request.body
@@ -177,7 +177,7 @@ class Drawings(Guarded):
 
 
 class Live(Guarded, WebSocketHandler):
-    """The web socket of a page."""
+    """Handler of the web socket of a page."""
 
     def open(self, token: str) -> None:
         self._queue: dict[str, str] = {}

@@ -1,4 +1,5 @@
-"""State of the live section: the design, its history, designs to compare, and what the worker does."""
+"""State of the live section: the design, its history, designs to compare, and the jobs of the
+worker."""
 
 import math
 from collections.abc import Callable
@@ -24,7 +25,7 @@ MOST_LIMITS = 12
 
 
 class RequestError(ValueError):
-    """Raised for a message of a page that cannot be followed; its text is shown there."""
+    """Raised for a message of a page that cannot be executed; the page shows its text."""
 
 
 def _is_number(given) -> bool:
@@ -33,7 +34,7 @@ def _is_number(given) -> bool:
 
 
 class Session:
-    """One open seal file and all that its pages share.
+    """One open seal file, with all data that its pages share.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ class Session:
         self._broadcast("status", self.status())
 
     def status(self) -> dict:
-        """Return what is open and what is being done."""
+        """Return the open file and the running jobs."""
         return {
             "file": self.file, "files": self.project.seal_files(), "job": self.job,
             "failure": self.failure, "progress": self.progress, "ready": self.scene is not None,
@@ -87,7 +88,7 @@ class Session:
         }  # fmt: skip
 
     def handle(self, message) -> None:
-        """Follow a message of a page.
+        """Execute a message of a page.
 
         Raises
         ------

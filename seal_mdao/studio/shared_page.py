@@ -1,5 +1,4 @@
-"""A page to give away: one HTML file with a design, its curves and its comparison, which changes
-nothing."""
+"""HTML file to share: a design with its pictures, curves and comparison, without controls."""
 
 import json
 
@@ -9,7 +8,7 @@ SCRIPTS, STYLES = ("chart.js", "shape.js", "studio.js"), ("page.css", "studio.cs
 
 
 def shared_page(file: str, scene: dict, exact: dict, kept: list, errors: dict | None) -> str:
-    """Format the page; it needs no other file and no server.
+    """Format the page, which needs no other file and no server.
 
     Parameters
     ----------

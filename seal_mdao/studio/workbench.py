@@ -1,4 +1,4 @@
-"""The seal of a file under the hands of the page: analysis, first-order changes, optimisation, files.
+"""The open seal of the live section: analysis, first-order changes, optimisation, files.
 
 All of it runs in the worker process (``studio.worker``).
 """
@@ -25,11 +25,11 @@ from seal_mdao.studio.preview import path_rates
 
 
 class StoppedError(Exception):
-    """Raised inside a calculation that is no longer wanted."""
+    """Raised inside a calculation that was stopped."""
 
 
 class Progress:
-    """Callback of the choice of load steps and penalties that reports where it is.
+    """Callback that reports the progress of the choice of load steps and penalties.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Progress:
 
 
 class Workbench:
-    """A seal file that is open: its seal with frozen load steps and penalties, and the last result.
+    """Open seal file: its seal with fixed load steps and penalties, and the last result.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class Workbench:
         self.fine, self.rates = self._grid(self.nominal), None
 
     def scene(self) -> dict:
-        """Return what stays the same for all designs of the file."""
+        """Return the data that are the same for all designs of the file."""
         found = pictures.scene(self.nominal, self._grid(self.nominal), self.numbers)
         limits = self.file.optimize.constraints if self.file.optimize else ()
         return found | {
@@ -118,7 +118,7 @@ class Workbench:
     # ---- designs ----
 
     def start(self) -> list[float]:
-        """Return the numbers of the file."""
+        """Return the numbers in the file."""
         return [own.value for own in self.numbers]
 
     def split(self, design) -> tuple[np.ndarray, dict]:
@@ -143,7 +143,7 @@ class Workbench:
         return np.array(design[:count], float), parameters
 
     def analyze(self, design, step: int | None = None) -> dict:
-        """Analyse a design; return what the page draws of it.
+        """Analyse a design and return the data of its pictures.
 
         A path that was not completed is returned with its last converged step.
         """
@@ -154,7 +154,7 @@ class Workbench:
         return self.shown(result, design, step)
 
     def shown(self, result: SealResult, design, step: int | None = None) -> dict:
-        """Take an analysed design as the last result; return what the page draws of it."""
+        """Store an analysed design as the last result and return the data of its pictures."""
         if not result.path.nominal_steps:
             raise LoadPathError(result.failure, result)
         self.result, self.rates, self.fine = result, None, self._grid(result)

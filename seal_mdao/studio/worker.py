@@ -1,4 +1,4 @@
-"""The worker process of the live section, which has the open seal and can be replaced."""
+"""Worker process of the live section, which computes with the open seal and can be replaced."""
 
 import asyncio
 import multiprocessing
@@ -17,7 +17,7 @@ FAILURES = (SealFileError, GeometryError, LoadPathError, ValueError, ImportError
 
 
 class Worker:
-    """A process that does one job at a time, as seen from the server.
+    """Process that executes one job at a time, as seen from the server.
 
     Parameters
     ----------
@@ -39,11 +39,11 @@ class Worker:
 
     @property
     def pid(self) -> int | None:
-        """Of the process; None without one."""
+        """Identifier of the process; None without one."""
         return None if self._process is None else self._process.pid
 
     def start(self) -> None:
-        """Start the process; the one before is ended."""
+        """Start the process and end the previous one."""
         self.end()
         self._pipe, theirs = self._context.Pipe()
         self._process = self._context.Process(
@@ -89,7 +89,7 @@ class Worker:
 
 
 def work(pipe, least) -> None:
-    """Do the jobs that come through a pipe, until it closes."""
+    """Execute the jobs that arrive through a pipe, until it closes."""
     # Ctrl-C is sent to all processes of a terminal; the server handles it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_end_with_parent, daemon=True).start()
