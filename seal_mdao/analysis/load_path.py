@@ -8,8 +8,9 @@ Every increment goes through the same list, each entry only where those before i
 3. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
 4. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
    large clouds; Newton's method; mixed iterations, for stiff contact.
-5. Half of the increment, until it is the smallest one.
-6. Another equilibrium, beyond a limit point (``limit_points.beyond``).
+5. Damped motion, where Newton's method cycles between stick and slip in a whole nominal step.
+6. Half of the increment, until it is the smallest one.
+7. Another equilibrium, beyond a limit point (``limit_points.beyond``).
 
 A step that was halved is solved as one from where its parts led, under friction.
 
@@ -174,6 +175,8 @@ class _Path:
             increment = self.increment(last.fraction + part if pending else nominal + 1.0)
             euler = predict(increment)
             found, guess = self._solved(increment, euler)
+            if found.status is Status.CYCLED and not pending:
+                found = self._damped(increment, found, guess)
             if not found.converged and 0.5 * part >= 0.5 ** _most_cuts(found.status, self.options):
                 self.cuts, self.bend = self.cuts + 1, None
                 pending += [0.5 * part, 0.5 * part]
@@ -215,6 +218,19 @@ class _Path:
                 break
             tried = found.residuals
         return found, guess
+
+    def _damped(self, increment: Increment, failed: Solution, guess) -> Solution:
+        """Solve a nominal step under friction by damped motion; ``failed`` where that finds none nearby.
+
+        Iterations that cycle between stick and slip do so in shorter increments, too.
+        """
+        if self.problem.symmetric:
+            return failed
+        found = relax(shortened(increment, NEAR), guess).after(failed.residuals)
+        if not found.converged or is_far(increment, found.d, guess):
+            return failed
+        found = _judged(increment, found, guess)
+        return found if found.converged else failed
 
     def _add(self, nominal: int, target: float, found: Solution, point=None) -> None:
         """Continue to the equilibrium ``found`` at ``target``."""

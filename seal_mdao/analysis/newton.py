@@ -11,6 +11,9 @@ from seal_mdao.analysis.linear_contact import with_contact
 from seal_mdao.analysis.path_result import Status
 
 BRANCHES = ("stable", "primary")
+# Iterations cycle where displacements return to those of so many iterations before, within this
+# fraction of the last correction.
+SHORTEST_CYCLE, LONGEST_CYCLE, SAME_PLACE = 2, 7, 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,21 @@ def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 
+def _cycles(visited: list) -> bool:
+    """Whether the last displacements are those of a few iterations before, so that the next are, too.
+
+    Points that alternately stick and slip, or touch and open, make Newton's method cycle.
+    """
+    if len(visited) <= SHORTEST_CYCLE:
+        return False
+    d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
+    # |d_k - d_(k-p)| << |d_k - d_(k-1)| for a period p
+    return any(
+        np.abs(d - earlier).max() <= SAME_PLACE * step
+        for earlier in visited[-1 - LONGEST_CYCLE : -SHORTEST_CYCLE]
+    )
+
+
 def newton(increment: Increment, guess: np.ndarray) -> Solution:
     """Iterate by Newton's method (44) from the predictor ``guess`` (n, 2)."""
     return iterate(increment, guess)
@@ -76,7 +94,7 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
     mixed : bool
         Whether the linearisations are those of mixed iterations (``mixed_newton``).
     """
-    options, residuals, now = increment.options, [], None
+    options, residuals, visited, now = increment.options, [], [], None
     for number in range(options.max_iterations + 1):
         last, now = now, increment.evaluate(d, iteration, tangent=not mixed)
         if now is None:
@@ -87,6 +105,9 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
         done = converged(now, options)
         if number == options.max_iterations and not done:
             break
+        visited.append(d)
+        if not done and _cycles(visited):
+            return Solution(Status.CYCLED, d, tuple(residuals), now)
         if mixed:
             now = increment.evaluate(d, now.iteration, mixed=not done)
         try:

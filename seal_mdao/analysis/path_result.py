@@ -14,6 +14,7 @@ class Status(Enum):
 
     CONVERGED = "converged"
     NOT_CONVERGED = "Newton did not converge within the allowed iterations"
+    CYCLED = "Newton's iterations return to the same states again and again"
     DIVERGED = "the residual is not a finite number"
     INVERTED = "a quadrature point is inverted (det F <= 0)"
     SINGULAR = "the tangent is singular"

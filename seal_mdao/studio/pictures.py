@@ -22,6 +22,7 @@ from seal_mdao.seals.profiles import (
 from seal_mdao.seals.result import SealResult
 from seal_mdao.studio.adjustable import Adjustable, moving_labels
 from seal_mdao.studio.preview import PathRates, field_rates, pressure_rates
+from seal_mdao.tolerances.tolerance_set import Tolerances
 
 MARGIN = 0.16
 """Clearance around the section, over its size."""
@@ -212,8 +213,13 @@ def _abscissa(seal, motion, done: int) -> tuple[str, np.ndarray, np.ndarray]:
 # ---- first-order changes ----
 
 
-def rates(fine: FineGrid, found: PathRates, step: int) -> dict:
-    """Return the derivatives of a state with respect to all numbers of the page, in their units."""
+def rates(fine: FineGrid, found: PathRates, step: int, count: int) -> dict:
+    """Return the derivatives of a state with respect to the ``count`` numbers of the page, the first
+    parameters of ``found``, in their units."""
+
+    def packed(array) -> str:
+        return floats(np.asarray(array)[..., :count])
+
     result = fine.result
     path, done = result.path, len(result.path.nominal_steps)
     x, stress = field_rates(result, found, fine, step)
@@ -226,30 +232,64 @@ def rates(fine: FineGrid, found: PathRates, step: int) -> dict:
         abscissas.append(_abscissa_rates(result.seal, motion, done, found))
     return {
         # (k, 3, P) and so on: the parameters last
-        "points": floats(np.concatenate([x, stress[:, None]], axis=1)),
+        "points": packed(np.concatenate([x, stress[:, None]], axis=1)),
         "poses": [
-            floats(_pose_rates(own.motion, own.motion.rates_at(fraction), found))
+            packed(_pose_rates(own.motion, own.motion.rates_at(fraction), found))
             for own in contacts(result.seal)
         ],
         "ways": [
-            floats([
+            packed([
                 _pose_rates(own.motion, own.motion.rates[:, k], found)
                 for k in range(len(own.motion.angles))
             ])
             for own in contacts(result.seal)
         ],
         "pressure": [
-            floats(pressure_rates(result, found, own, step)) for own in contacts(result.seal)
+            packed(pressure_rates(result, found, own, step)) for own in contacts(result.seal)
         ],
         "force": [
-            floats([found.forces[label][k] for k in at]) if label in found.forces
+            packed([found.forces[label][k] for k in at]) if label in found.forces
             and not _bonded(result.seal, label) else None
             for label in moving_labels(result.seal)
         ],
-        "along": [floats(own) for own in abscissas],
-        "measures": {name: floats(own) for name, own in found.measures.items()},
+        "along": [packed(own) for own in abscissas],
+        "measures": {name: packed(own) for name, own in found.measures.items()},
         "step": step,
     }  # fmt: skip
+
+
+def scatter(result: SealResult, found: PathRates, tolerances: Tolerances, names) -> list:
+    """Compute standard deviations of the forces of all curves after every load step, to first order.
+
+    Parameters
+    ----------
+    found : PathRates
+        With respect to the offsets and the parameters ``names``.
+
+    Returns
+    -------
+    list of (list of [float, float]) or None
+        N/m or N, for every moving part; None where its force is not that of contact alone.
+    """
+    seal, path = result.seal, result.path
+    at = [path.steps.index(own) for own in path.nominal_steps]
+    nominal = {name: seal.scalars[name].value for name in names}
+    # dF/dn = dF/dp dp/dn of the numbers that vary
+    by_number = tolerances.middle(seal).rates(0, nominal)[1]
+    covariance, offsets = tolerances.offsets_covariance(seal), seal.n_offsets
+    bands = []
+    for label in moving_labels(seal):
+        if label not in found.forces or _bonded(seal, label):
+            bands.append(None)
+            continue
+        force = np.array([found.forces[label][k] for k in at])
+        own = (force[..., offsets:] @ by_number * tolerances.deviations) ** 2
+        boundary = np.einsum(
+            "kcp,pq,kcq->kc", force[..., :offsets], covariance, force[..., :offsets]
+        )
+        # s^2 = sum_k (dF/dn_k s_k)^2 + dF/db C dF/db^T
+        bands.append(plain(np.sqrt(own.sum(axis=-1) + boundary)))
+    return bands
 
 
 def _bonded(seal, label: str) -> bool:

@@ -22,6 +22,7 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 from seal_mdao.studio import pictures
 from seal_mdao.studio.adjustable import adjustables, with_handles
 from seal_mdao.studio.preview import path_rates
+from seal_mdao.tolerances.file import tolerances_of
 
 
 class StoppedError(Exception):
@@ -86,6 +87,12 @@ class Workbench:
         self.seal = with_handles(built, self.file)
         self.seal.made_from(description(self.file, built) | {"handles": True})
         self.numbers = adjustables(self.file, self.tables, self.seal)
+        # what scatters between parts, and the parameters that do
+        written = self.file.tolerance
+        self.tolerances = None if written is None else tolerances_of(written)
+        self._scattered = [] if written is None else [
+            name for own in self.tolerances.variations for name in own.parameters
+        ]  # fmt: skip
         report("analysing the seal of the file")
         self.nominal = analyze(self.seal, keep_factors=True, callback=lambda step: watch())
         self.nominal.require_converged()
@@ -164,11 +171,15 @@ class Workbench:
         """Differentiate the last result; None for a path that was not completed."""
         if not self.result.converged:
             return None
+        numbers, tolerances = self.numbers[self.seal.n_offsets :], self.tolerances
+        names = list(dict.fromkeys([own.name for own in numbers] + self._scattered))
         if self.rates is None:
-            names = [own.name for own in self.numbers[self.seal.n_offsets :]]
             measures = self._measures(self.result)
             self.rates = path_rates(self.result, names, measures, self.watch)
-        return pictures.rates(self.fine, self.rates, self._step(step))
+        found = pictures.rates(self.fine, self.rates, self._step(step), len(self.numbers))
+        if tolerances is not None:
+            found["scatter"] = pictures.scatter(self.result, self.rates, tolerances, names)
+        return found
 
     def errors(self) -> dict:
         """Estimate the errors of all measures at the section of the file: half-widths of error bars by

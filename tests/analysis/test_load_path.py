@@ -13,6 +13,7 @@ from seal_mdao.analysis import load_path
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.mixed_newton import mixed_newton
 from seal_mdao.analysis.newton import newton
+from seal_mdao.analysis.newton import SHORTEST_CYCLE
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.contact.friction import OPEN, SLIP
@@ -112,7 +113,7 @@ def test_path_that_fails_says_where(buckled):
     path = buckled.path
     done = len(path.nominal_steps)
     assert not buckled.converged
-    assert path.status is Status.NOT_CONVERGED
+    assert path.status in (Status.NOT_CONVERGED, Status.CYCLED)
     assert 4.0 < buckled.travel[-1] < 9.0
     step, fraction, residual, iterations, x, y, contact, slipping = re.search(
         r"load step (\d+) \(path parameter ([\d.]+)\): .*relative residual (\S+) after (\d+) "
@@ -126,8 +127,9 @@ def test_path_that_fails_says_where(buckled):
     assert float(x) == 0.0
     assert float(y) == pytest.approx(first + (float(fraction) - done) * (second - first), rel=1e-3)
     assert float(residual) > buckled.seal.newton.tolerance
-    # of Newton's method, and as many mixed ones from the same predictor
-    assert int(iterations) == 2 * buckled.seal.newton.max_iterations
+    # of Newton's method, and mixed ones from the same predictor, ended where they cycle
+    least = 2 * SHORTEST_CYCLE
+    assert least <= int(iterations) <= 2 * buckled.seal.newton.max_iterations
     assert abs(int(contact) - np.sum(last.after[1].state != OPEN)) <= 2
     assert int(slipping) == int(contact)
 

@@ -4,9 +4,10 @@ import base64
 
 import numpy as np
 import pytest
-from studio.small_seal import nothing, write
+from studio.small_seal import TEXT, nothing, write
 
 from seal_mdao.studio.workbench import Workbench
+from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 STEP = 1e-4
 """Over the range of a number."""
@@ -99,3 +100,31 @@ def test_preview_of_a_drag_of_a_tenth_of_a_millimetre_is_within_two_percent(benc
         exact = np.array(bench.analyze(design)["curves"][0]["force"])[-1, 1]
         preview = base["curves"][0]["force"][-1][1] + 0.1 * rates[-1, 1, p]
         assert preview == pytest.approx(exact, rel=0.02)
+
+
+SCATTERED = """\
+[tolerance.vary.plate_y]
+distribution = "normal"
+kind = "shift"
+mean = 0.0
+std = 0.1
+[tolerance.vary.stiffness]
+distribution = "uniform"
+kind = "factor"
+low = 0.9
+high = 1.1
+parameters = ["c10", "c01"]
+[tolerance.boundary]
+std = 0.05
+length = 4.0
+"""
+
+
+def test_scatter_of_the_curve_ends_with_that_of_a_tolerance_study(tmp_path):
+    bench = Workbench(write(tmp_path, text=TEXT + SCATTERED), nothing, nothing)
+    bench.analyze(bench.start())
+    # (load steps, components) of the only profile
+    (band,) = np.array(bench.first_order()["scatter"])
+    # at the middle of all tolerances, which is the seal of the file, by the adjoint method
+    (expected,) = ToleranceStudy(bench.seal, bench.tolerances, ("reaction",)).first_order().std
+    assert band[-1, 1] == pytest.approx(expected, rel=1e-9)

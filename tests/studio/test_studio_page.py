@@ -56,6 +56,32 @@ def test_drag_shows_a_preview_and_then_the_exact_analysis(page):
     assert page.run(FORCE) == pytest.approx(preview, rel=0.02)
 
 
+def test_finger_drags_a_handle_and_does_not_scroll(page):
+    before = page.design()
+    box = page.run(
+        "const box = arguments[0].getBoundingClientRect();"
+        "return [box.x + box.width / 2, box.y + box.height / 2]", handle(page, 0),
+    )  # fmt: skip
+    scrolled = page.run("return window.scrollY")
+
+    def finger(kind, *points):
+        given = [{"x": x, "y": y} for x, y in points]
+        page.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
+
+    x, y = box
+    # beside the drawn handle, but within the area for fingers
+    finger("touchStart", (x + 12, y))
+    for k in range(1, 7):
+        finger("touchMove", (x + 12 + k, y + 3 * k))
+    finger("touchEnd")
+    page.ready()
+    after = page.design()
+    assert after[0] != before[0]
+    assert after[1:] == before[1:]
+    assert page.run("return window.scrollY") == scrolled
+    page.wait("return !document.getElementById('undo').disabled")
+
+
 def workers(page):
     """The worker process of the only server."""
     server = psutil.Process(int(page.server.process.pid))

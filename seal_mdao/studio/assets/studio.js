@@ -131,6 +131,12 @@ function drawCharts(now) {
   now.curves.forEach((own, i) => {
     const name = now.curves.length > 1 ? own.name : "this design";
     add(curves, { name, x: [0, ...own.along], values: [0, ...component(own.force, own.component)], color: color(i), dash: now.exactly ? "" : "5 3" });
+    // scatter of the tolerances to first order, at the last exact analysis
+    const band = state.scatter && state.scatter[i];
+    if (band) [["+", 2], ["−", -2]].forEach(([sign, k]) => add(curves, {
+      name: `${name}, ${sign} 2 standard deviations of the tolerances`, x: [0, ...own.along],
+      values: [0, ...component(own.force, own.component).map((f, at) => f + k * band[at][own.component])], color: color(i), dash: "1 3",
+    }));
   });
   const pressures = now.pressure.map((own, i) => ({ name: now.pressure.length > 1 ? own.name : "this design", x: own.arc, values: [...own.values], color: color(i), dash: now.exactly ? "" : "5 3", dots: 2 }));
   kept.forEach(({ name, curves: those, pressure }, i) => {
@@ -496,7 +502,7 @@ const receive = {
     if (!state.scene) place("state-text").textContent = text;
   },
   scene(scene) {
-    Object.assign(state, { scene, exact: null, rates: null, design: null, errors: null });
+    Object.assign(state, { scene, exact: null, rates: null, scatter: null, design: null, errors: null });
     scene.undeformedAt = floats(scene.undeformed);
     scene.velocityAt = floats(scene.velocity);
     for (const [, own] of handleNodes) own.group.remove();
@@ -539,6 +545,7 @@ const receive = {
     if (!state.exact || rates.step !== state.exact.frame.step) return;
     unpackRates(rates);
     state.rates = rates;
+    state.scatter = rates.scatter;
     schedule();
   },
   view(frame) {
