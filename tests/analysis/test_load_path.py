@@ -12,8 +12,7 @@ import seal_mdao as sm
 from seal_mdao.analysis import load_path
 from seal_mdao.analysis.load_path import solve_path
 from seal_mdao.analysis.mixed_newton import mixed_newton
-from seal_mdao.analysis.newton import newton
-from seal_mdao.analysis.newton import SHORTEST_CYCLE
+from seal_mdao.analysis.newton import SHORTEST_CYCLE, newton
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.contact.friction import OPEN, SLIP

@@ -66,7 +66,9 @@ def test_finger_drags_a_handle_and_does_not_scroll(page):
 
     def finger(kind, *points):
         given = [{"x": x, "y": y} for x, y in points]
-        page.browser.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": given})
+        page.browser.execute_cdp_cmd(
+            "Input.dispatchTouchEvent", {"type": kind, "touchPoints": given}
+        )
 
     x, y = box
     # beside the drawn handle, but within the area for fingers
