@@ -1,5 +1,8 @@
 """Optimisation of any seal as an OpenMDAO problem: task, options of a run, and the function that
-builds it."""
+builds it.
+
+``door_optimization`` and ``file_optimization`` make the task of the door seal and of a seal file,
+``robust_optimization`` the one over scenarios of tolerances."""
 
 import json
 from collections.abc import Callable

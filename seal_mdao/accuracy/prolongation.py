@@ -87,19 +87,19 @@ class Prolongation:
         return coarse.table_at(nearest).table, self.fine.particles - places[nearest]
 
     def _known(self, term, coarse_term, response, step) -> np.ndarray | None:
-        """What the step says about a term: swelling of cells, gaps of contact points."""
+        """What the step says about a term: volumetric strain of cells, gaps of contact points."""
         if isinstance(term, StructuralTerm):
-            return self._swelling(term, coarse_term, step)
+            return self._volume_strain(term, coarse_term, step)
         if isinstance(term, ContactTerm):
             return self._gaps(term, coarse_term, response)
         return None
 
-    def _swelling(self, term, coarse_term, step) -> np.ndarray | None:
+    def _volume_strain(self, term, coarse_term, step) -> np.ndarray | None:
         """Volume change of the parent of every cell; None where the pressure runs through columns."""
-        swelling = coarse_term.swelling_at(step.d, step.fraction)
+        volume_strain = coarse_term.volume_strain_at(step.d, step.fraction)
         if self.parents is None:
-            return swelling
-        return swelling[self.parents] if len(self.parents) == len(term.bulk) else None
+            return volume_strain
+        return volume_strain[self.parents] if len(self.parents) == len(term.bulk) else None
 
     def _gaps(self, term, coarse_term, response) -> np.ndarray:
         """Interpolate gaps between the two nearest coarse contact points, shape (k,)."""

@@ -20,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
-from seal_mdao.calibration.csv_columns import MaterialDataError, read_rows
 from seal_mdao.calibration.cycles import unloadings
 from seal_mdao.calibration.loading_modes import MODES
+from seal_mdao.calibration.measurement_files import MaterialDataError, read_rows
 
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"

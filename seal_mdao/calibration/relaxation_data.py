@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seal_mdao.calibration.csv_columns import MaterialDataError, read_rows
+from seal_mdao.calibration.measurement_files import MaterialDataError, read_rows
 from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.values import real
 

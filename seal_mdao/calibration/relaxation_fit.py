@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from seal_mdao.calibration.csv_columns import MaterialDataError
+from seal_mdao.calibration.measurement_files import MaterialDataError
 from seal_mdao.calibration.relaxation_data import RelaxationTests
 from seal_mdao.calibration.relaxation_model import PronyModel
 from seal_mdao.calibration.relaxation_result import RelaxationFit, covariance, result_of

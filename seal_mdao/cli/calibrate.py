@@ -7,7 +7,7 @@ import numpy as np
 from tqdm import tqdm
 
 from seal_mdao import plotting
-from seal_mdao.calibration.csv_columns import MaterialDataError, read_rows
+from seal_mdao.calibration.measurement_files import MaterialDataError, read_rows
 from seal_mdao.cli.arguments import (
     WrongArgumentError,
     announce,

@@ -12,12 +12,12 @@ from pathlib import Path
 from tqdm import tqdm
 
 from seal_mdao import plotting
-from seal_mdao.calibration.csv_columns import columns_of
 from seal_mdao.calibration.data import MaterialDataError, read_tests
 from seal_mdao.calibration.families import MAX_TERMS, OF_TERMS
 from seal_mdao.calibration.fit_errors import residual_table, write_residuals
 from seal_mdao.calibration.law_fit import Fit, fit
 from seal_mdao.calibration.material_stability import MARGIN, UnstableMaterialError
+from seal_mdao.calibration.measurement_files import columns_of
 from seal_mdao.calibration.relaxation_data import TIME
 from seal_mdao.calibration.relaxation_shift import SHIFTS
 from seal_mdao.calibration.residuals import WEIGHTINGS

@@ -7,7 +7,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from seal_mdao import plotting
-from seal_mdao.calibration.csv_columns import MaterialDataError
+from seal_mdao.calibration.measurement_files import MaterialDataError
 from seal_mdao.calibration.relaxation_data import read_relaxation
 from seal_mdao.calibration.relaxation_fit import fit_relaxation
 from seal_mdao.calibration.relaxation_result import RelaxationFit

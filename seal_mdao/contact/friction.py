@@ -1,4 +1,8 @@
-"""Penalty contact and regularised Coulomb friction, Eqs. (19), (28), (29), with both histories.
+"""Friction of a contact point: slip (19), stick or slip (28), traction (29), and their rates (60).
+
+Coulomb's law with a penalty; other laws are in ``friction_law``, one law an edge in
+``friction_by_group``, self-contact in ``self_friction``, the key of seal files in
+``seals.file.friction_table``. Two histories:
 
 ``accumulated``: the elastic slip of the previous step is carried and return-mapped.
 ``incremental``: slip is measured from the previous converged step only, Eq. (19) as printed.

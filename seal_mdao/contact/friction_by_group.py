@@ -1,4 +1,4 @@
-"""Friction laws of several groups of points: of edges, or of pairs of edges in self-contact.
+"""Several friction laws in one contact, by groups of points: edges, or pairs of edges in self-contact.
 
 Every group has Coulomb's law or another one; constants have the name of the group behind theirs:
 ``friction_lip``. At the points of a kernel the laws are limits and slopes, as those of ``friction_law``.

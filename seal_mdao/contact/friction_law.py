@@ -1,4 +1,4 @@
-"""Friction laws besides Coulomb's, each one function of the contact pressure and its constants.
+"""Friction laws other than Coulomb's (``friction``): each one function of pressure and constants.
 
     def pressure_dependent(pressure, friction, reference):
         return friction * pressure / (1.0 + pressure / reference)

@@ -27,7 +27,7 @@ from seal_mdao.contact.kinks import (
     no_kinks,
     rounding_of,
 )
-from seal_mdao.contact.rigid_linearization import contact_linearization, contact_points, slip_slopes
+from seal_mdao.contact.rigid_forces import contact_linearization, contact_points, slip_slopes
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion

@@ -1,10 +1,10 @@
-"""Penalty contact and friction between points and segments of the deformed boundary, with derivatives.
+"""Forces of self-contact with friction and their derivatives (of rigid profiles: ``rigid_forces``).
 
     q = length (w_n g dg/du + tau |t0| dxi/du)
 
-for the positions u of a point and of the six particles of its segment. Forces and moments balance,
-since gap and slip are invariant under rigid motions. Traction and slip are those of ``contact.friction``
-(accumulated history).
+for the positions u of a point and of the six particles of its segment of the deformed boundary.
+Forces and moments balance, since gap and slip are invariant under rigid motions. Traction and slip are
+those of ``contact.friction`` (accumulated history).
 """
 
 from typing import NamedTuple

@@ -13,11 +13,11 @@ from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.rkpm.averages import EdgeAverages, averaged_table
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
+from seal_mdao.rkpm.consistent_gradients import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
-from seal_mdao.rkpm.integration import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
-from seal_mdao.structure.pressure import PressureSpace, through_column
+from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
 
@@ -84,8 +84,8 @@ class Body:
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
     column : int
-        Cells in succession through which the pressure is continuous (``structure.pressure``); 1: one
-        value a cell.
+        Cells in succession through which the pressure is continuous (``structure.pressure_functions``);
+        1: one value a cell.
     axisymmetric : bool
         Whether the body is one of revolution about x = 0 (``rkpm.axisymmetry``), in place of plane
         strain.

@@ -14,7 +14,7 @@ from seal_mdao.contact.friction import (
 )
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
-from seal_mdao.contact.rigid_linearization import contact_linearization
+from seal_mdao.contact.rigid_forces import contact_linearization
 
 
 class ClosingRates(NamedTuple):

@@ -1,8 +1,8 @@
 """Forces of a pressure on the sides of a deformed edge: cubics through their ends and Gauss points.
 
 The points of a side are its first particle, two Gauss points and its last particle, with which the
-consistent integration integrates the boundary, too (``rkpm.integration``). With the weights w, linear
-along a side between the w_i of its particles, and n into the body,
+consistent integration integrates the boundary, too (``rkpm.consistent_gradients``). With the weights
+w, linear along a side between the w_i of its particles, and n into the body,
 
     f_m = int N_m w n ds = sum_i w_i f_im,    x = sum_n N_n(s) x_n.
 

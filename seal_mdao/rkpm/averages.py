@@ -6,9 +6,10 @@ With weight functions psi_A that sum to one, each on the edges e beside particle
     m_q = w_q l_e psi_A(X_q),    L_A = sum_q m_q,    Phi_A = sum_q (m_q / L_A) Phi(X_q).
 
 Phi_A gives the mean of the deformed boundary beside A, x_A = sum_q (m_q / L_A) x(X_q) = X_A + Phi_A d.
-The Gauss points of straight edges are those with which ``integration`` integrates them: forces L_A t at
-the means are the uniform traction t to rounding. Contact at means passes the patch test, contact at
-particles does not. In a body of revolution m_q has the circumference c_q = 2 pi R_q (``axisymmetry``),
+The Gauss points of straight edges are those with which ``consistent_gradients`` integrates them: forces
+L_A t at the means are the uniform traction t to rounding. Contact at means passes the patch test,
+contact at particles does not. In a body of revolution m_q has the circumference c_q = 2 pi R_q
+(``axisymmetry``),
 
     m_q = c_q w_q l_e psi_A(X_q).
 """

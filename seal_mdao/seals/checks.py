@@ -18,6 +18,7 @@ from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.contact_loss import contact_losses
 from seal_mdao.seals.creases import creases
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import (
     CURE,
     LEAVE_OUT,
@@ -26,7 +27,6 @@ from seal_mdao.seals.local_states import (
 )
 from seal_mdao.seals.missing_contact import buried_edges
 from seal_mdao.seals.overlap import crossings, overlap_depths
-from seal_mdao.seals.samples import Samples
 from seal_mdao.values import place as _at
 
 SLIGHT, DEEP = 0.01, 0.1
@@ -75,7 +75,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     """Find the faults of the state at the end of a completed load path; the result is cached."""
     # cached as long as the path exists
     if path not in _KNOWN:
-        samples = Samples(path)
+        samples = EvaluationPoints(path)
         checks = (
             _balance, _stability, _volume, _local, _crossing, _inside_profiles, _inside_itself,
             _below_base, _contact_loss, _strains, _creases,
@@ -91,7 +91,7 @@ def _forces(step) -> float:
     )
 
 
-def _balance(samples: Samples):
+def _balance(samples: EvaluationPoints):
     """Report steps at which rounding ended the iterations far from equilibrium."""
     path = samples.path
     forces = np.array([_forces(step) for step in path.steps])
@@ -110,7 +110,7 @@ def _balance(samples: Samples):
         )
 
 
-def _stability(samples: Samples):
+def _stability(samples: EvaluationPoints):
     """Report an unstable equilibrium at the end."""
     path = samples.path
     # stable: positive definite tangent at the end
@@ -132,20 +132,20 @@ def _stability(samples: Samples):
     yield Finding(text, False)
 
 
-def _contact_loss(samples: Samples):
+def _contact_loss(samples: EvaluationPoints):
     """Report profiles that the seal has slipped off before the end of a closing stage."""
     for text in contact_losses(samples.path):
         yield Finding(text, False)
 
 
-def _creases(samples: Samples):
+def _creases(samples: EvaluationPoints):
     """Report a free surface beyond the onset of creases."""
     text = creases(samples)
     if text:
         yield Finding(text, False)
 
 
-def _strains(samples: Samples):
+def _strains(samples: EvaluationPoints):
     """Report materials that are strained beyond the range for which their constants are known."""
     path = samples.path
     cells = path.discretization.body.cells
@@ -171,7 +171,7 @@ def _strains(samples: Samples):
         )
 
 
-def _volume(samples: Samples):
+def _volume(samples: EvaluationPoints):
     """Report inverted material, and material that has lost more volume than it can."""
     change = samples.volume_change
     stiff = samples.keeps_volume
@@ -200,7 +200,7 @@ def _volume(samples: Samples):
         )
 
 
-def _volume_cure(samples: Samples) -> str:
+def _volume_cure(samples: EvaluationPoints) -> str:
     """Advise on a volume change: more quadrature points at a high pressure, else as at a corner."""
     points = min(in_both_directions(samples.path.discretization.body.n_gauss))
     pressure = samples.largest_pressure
@@ -218,13 +218,13 @@ def _squeezed(change: float) -> str:
     return "compressed" if change > 0.0 else "inverted"
 
 
-def _local(samples: Samples):
+def _local(samples: EvaluationPoints):
     """Report stretches and stresses at single points that no rubber has."""
     for text in meaningless_states(samples):
         yield Finding(text, False, meaningless=True)
 
 
-def _crossing(samples: Samples):
+def _crossing(samples: EvaluationPoints):
     """Report boundaries that cross where there is no contact between them.
 
     With contact they cross by the penetration of its penalty.
@@ -250,7 +250,7 @@ def _crossing(samples: Samples):
         )
 
 
-def _allowed_depth(samples: Samples, sides: np.ndarray) -> np.ndarray:
+def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> np.ndarray:
     """Compute the depth by which pairs of sides (c, 2) may cross, shape (c,), mm: 0 without contact."""
     ends, found = samples.sides[0][sides], np.zeros(len(sides))
     for term in _contacts_with_itself(samples):
@@ -266,11 +266,11 @@ def _allowed_depth(samples: Samples, sides: np.ndarray) -> np.ndarray:
     return found
 
 
-def _contacts_with_itself(samples: Samples):
+def _contacts_with_itself(samples: EvaluationPoints):
     return [term for term in samples.path.problem.terms if isinstance(term, SelfContactTerm)]
 
 
-def _inside_itself(samples: Samples):
+def _inside_itself(samples: EvaluationPoints):
     """Report the penetration of walls in contact."""
     for term in _contacts_with_itself(samples):
         x = samples.places[term.where.at_particles]
@@ -287,7 +287,7 @@ def _inside_itself(samples: Samples):
             )
 
 
-def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
+def _smaller_of_wall_and_squeeze(samples: EvaluationPoints) -> tuple[float, str]:
     """Return the length with which penetrations are compared, mm, and its name."""
     # a thick wall is squeezed in part only: then the largest displacement
     squeeze = samples.path.largest_displacement
@@ -296,7 +296,7 @@ def _smaller_of_wall_and_squeeze(samples: Samples) -> tuple[float, str]:
     return samples.wall, "the wall's thickness"
 
 
-def _inside_profiles(samples: Samples):
+def _inside_profiles(samples: EvaluationPoints):
     """Report a boundary inside a rigid profile: edges that may not touch it, then at the contact points,
     between them, or elsewhere."""
     path = samples.path
@@ -333,7 +333,7 @@ def _inside_profiles(samples: Samples):
             )
 
 
-def _below_base(samples: Samples):
+def _below_base(samples: EvaluationPoints):
     """Report a boundary below the plane of a straight fixed base, with which there is no contact."""
     body = samples.path.discretization.body
     # only a base with both components fixed supports the seal

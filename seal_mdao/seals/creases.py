@@ -12,13 +12,13 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
-from seal_mdao.seals.samples import Samples
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 
 CREASES = 0.647
 """Stretch along a free surface below which it forms creases."""
 
 
-def creases(samples: Samples) -> str:
+def creases(samples: EvaluationPoints) -> str:
     """Describe the free segment of the boundary with the smallest stretch if that is below
     ``CREASES``; else return an empty text.
 
@@ -45,7 +45,7 @@ def creases(samples: Samples) -> str:
     )
 
 
-def _touching(samples: Samples, chains, lengths) -> np.ndarray:
+def _touching(samples: EvaluationPoints, chains, lengths) -> np.ndarray:
     """Find the sides that touch a profile or another part of the boundary, a mask (m,)."""
     path, touching = samples.path, np.zeros(len(chains), bool)
     middles = samples.places[chains[:, chains.shape[1] // 2]]

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from seal_mdao import values
 from seal_mdao.measures.singular_points import FIXED_END, singular_points
-from seal_mdao.seals.samples import Samples
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.structure.particle_stress import particle_stress
 
 LARGEST_STRETCH = 8.0
@@ -34,7 +34,7 @@ LEAVE_OUT = (
 """What to do at the end of a fixed edge, which no refinement cures."""
 
 
-def beside_fixed_ends(samples: Samples, points: np.ndarray) -> np.ndarray:
+def beside_fixed_ends(samples: EvaluationPoints, points: np.ndarray) -> np.ndarray:
     """Find the points (k, 2) within ``BESIDE`` spacings of the end of a fixed edge, a mask (k,)."""
     disc, beside = samples.path.discretization, np.zeros(len(points), bool)
     for end in singular_points(disc.body, disc.particles):
@@ -44,7 +44,7 @@ def beside_fixed_ends(samples: Samples, points: np.ndarray) -> np.ndarray:
     return beside
 
 
-def meaningless_states(samples: Samples):
+def meaningless_states(samples: EvaluationPoints):
     """Describe stretches and stresses at single points that are beyond the range of rubber, one
     line each.
 
@@ -79,7 +79,7 @@ def meaningless_states(samples: Samples):
             )
 
 
-def cure_at(samples: Samples, point: np.ndarray) -> str:
+def cure_at(samples: EvaluationPoints, point: np.ndarray) -> str:
     """Describe the remedy for an inadmissible state at an undeformed point."""
     return LEAVE_OUT if beside_fixed_ends(samples, point[None]).any() else CURE
 
@@ -92,7 +92,7 @@ class Largest(NamedTuple):
     point: np.ndarray
 
 
-def largest_stretch(samples: Samples) -> Largest:
+def largest_stretch(samples: EvaluationPoints) -> Largest:
     """Find the largest principal stretch at the samples in the plane of the section."""
     stretch = samples.stretches[:, 1]
     # NaN counts as the largest

@@ -1,4 +1,4 @@
-"""Estimate the errors of measures by contact penalties, from exact derivatives.
+"""Error of every measure by the contact penalties, estimated from exact derivatives.
 
 With a penalty w a measure m errs by m(w) - m(infinity) = c/w + O(1/w^2). Its derivative in w is
 -c/w^2, so the error is -w dm/dw: one direct sweep with as many right-hand sides as there are penalties.

@@ -1,7 +1,8 @@
-"""Raise contact penalties until their estimated errors are within a tolerance.
+"""Rule of the contact penalties: raise them until their estimated errors are within a tolerance.
 
-The estimate (``penalty_error``) falls with the inverse of a penalty. Penalties are therefore raised by
-the ratio of error to tolerance, unless the iterations then converge badly, or rounding bounds them.
+Called by ``steps_and_penalties``; initial values are those of ``contact.default_penalties``. The
+estimate (``penalty_error``) falls with the inverse of a penalty. Penalties are therefore raised by the
+ratio of error to tolerance, unless the iterations then converge badly, or rounding bounds them.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """Refine load steps until a further division changes results by less than a tolerance.
 
-Those steps are halved in which the last two paths drift apart. Where the penalties differ as well, their
-estimated effect on measures is taken off.
+Called by ``steps_and_penalties``. Those steps are halved in which the last two paths drift apart. Where
+the penalties differ as well, their estimated effect on measures is taken off.
 """
 
 import numpy as np

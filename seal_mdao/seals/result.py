@@ -23,9 +23,9 @@ from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import take_path, without_factors
 from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.creases import creases
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.instabilities import Instability, instabilities
 from seal_mdao.seals.missing_contact import missing_contact
-from seal_mdao.seals.samples import Samples
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
 
@@ -247,7 +247,7 @@ class SealResult:
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last of them was at {self.caption(done - 1)}." if done else ""
         # a fold of a free surface ends the path whatever the load steps and penalties are
-        folded = creases(Samples(self.path)) if done else ""
+        folded = creases(EvaluationPoints(self.path)) if done else ""
         advice = f"At the last converged load step {folded}" if folded else ADVICE
         near = missing_contact(self.path) if done else ""
         advice = f"{near}. {advice}" if near else advice

@@ -1,5 +1,9 @@
 """Choose load steps and contact penalties by tolerance, once on the nominal seal; then they are fixed.
 
+Which steps are divided is in ``refined_steps``, how penalties grow in ``raised_penalties``, their
+initial values in ``contact.default_penalties``, how one step is solved in ``analysis.load_path``, the
+keys of seal files in ``seals.file.load_steps``.
+
 A coarse path comes first. Where its estimated error of a measure by the penalties (``penalty_error``),
 the penetration or the elastic slip in stick is above the tolerance, the next path has penalties that
 are higher by the ratio of the two. That path has the steps that are given, or where they are chosen

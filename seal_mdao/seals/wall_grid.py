@@ -30,7 +30,7 @@ class WallScheme(NamedTuple):
     contact_points: str
 
 
-SCHEMES = {
+WALL_SCHEMES = {
     "paper": WallScheme(2.0, 1, 2, "cell", "particles"),
     "engineering": WallScheme((2.0, 3.15), 2, 2, "wall", "edges"),
     "fine": WallScheme((1.8, 4.0), 2, (2, 3), "wall", "edges"),

@@ -30,9 +30,9 @@ from seal_mdao.structure.internal_force import (
     carried_stress,
     hoop_moduli,
     hoop_stretch,
+    piola_stress,
     plane_jacobian,
     point_moduli,
-    point_stress,
 )
 
 
@@ -72,7 +72,7 @@ class ColumnLaw(NamedTuple):
     ----------
     values : ndarray, shape (q, rows, S)
         P, w cof F, w A, F and J - 1 of every point, at the rows of ``LawRows``.
-    swelling : ndarray, shape (m, S)
+    volume_strain : ndarray, shape (m, S)
         s_h.
     mean, functions : ndarray, shape (m, q)
         N_h / V_h, and N_h.
@@ -80,19 +80,19 @@ class ColumnLaw(NamedTuple):
         K.
     on_cofactor : ndarray, shape (q, S)
         Written by ``product``: w cof F : e.
-    swelling_rate : ndarray, shape (m, S)
+    volume_strain_rate : ndarray, shape (m, S)
         Written by ``product``: s_h'.
     pressure : ndarray, shape (S,)
         Written by ``product``: p' of a point.
     """
 
     values: np.ndarray
-    swelling: np.ndarray
+    volume_strain: np.ndarray
     mean: np.ndarray
     functions: np.ndarray
     bulk: np.ndarray
     on_cofactor: np.ndarray
-    swelling_rate: np.ndarray
+    volume_strain_rate: np.ndarray
     pressure: np.ndarray
 
 
@@ -150,7 +150,7 @@ def linearize_column(states, column, step_of, law):
     for s in range(step_of.size):
         law.bulk[s] = states.bulk[step_of[s], column]
         for h in range(len(functions)):
-            law.swelling[h, s] = states.deformation.swelling[step_of[s], column, h]
+            law.volume_strain[h, s] = states.deformation.volume_strain[step_of[s], column, h]
     for q in range(weights.size):
         values = law.values[q]
         for s in range(step_of.size):
@@ -162,10 +162,10 @@ def linearize_column(states, column, step_of, law):
                 continue
             # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
             f, w_t = states.deformation.f[k, column, q], w[0, k, column, q]
-            swelling = states.deformation.swelling[k, column]
-            w_j = w[1, k, column, q] + law.bulk[s] * at_point(functions, q, swelling)
+            volume_strain = states.deformation.volume_strain[k, column]
+            w_j = w[1, k, column, q] + law.bulk[s] * at_point(functions, q, volume_strain)
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
-            stress = point_stress(f, w_t, w_j)
+            stress = piola_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
             if states.carried.size:
                 own = states.carried[k, column, q]
@@ -218,7 +218,7 @@ def product(law, weights, strain, weight_rate, p, out):
     out : ndarray, shape (rows q, P, 2, S)
         Written, as ``strain``.
     """
-    law.swelling_rate[:] = 0.0
+    law.volume_strain_rate[:] = 0.0
     rows = len(strain) // weights.size
     at = law_rows(5 if rows == 3 else 4)
     for q in range(weights.size):
@@ -226,16 +226,16 @@ def product(law, weights, strain, weight_rate, p, out):
         contract(law.values[q], at.cofactor, at.strains, strain, rows * q, p, on_cof)
         for h in range(len(law.mean)):
             if law.mean[h, q] != 0.0:
-                _add_swelling_rate(
-                    law.mean[h, q], on_cof, weight_rate[q, p], change, law.swelling[h],
-                    law.swelling_rate[h],
+                _add_volume_strain_rate(
+                    law.mean[h, q], on_cof, weight_rate[q, p], change, law.volume_strain[h],
+                    law.volume_strain_rate[h],
                 )  # fmt: skip
     for q in range(weights.size):
         values, pressure = law.values[q], law.pressure
         # p' = K sum_h N_h s_h'
         pressure[:] = 0.0
         for h in range(len(law.functions)):
-            _add_pressure_rate(law.bulk, law.functions[h, q], law.swelling_rate[h], pressure)
+            _add_pressure_rate(law.bulk, law.functions[h, q], law.volume_strain_rate[h], pressure)
         for r in range(at.strains):
             found = out[rows * q + r % 2, p, r // 2] if r < 4 else out[rows * q + 2, p, 0]
             # w A : e + w p' cof F + w' P
@@ -267,17 +267,17 @@ def contract(values, row, strains, strain, first, p, out):
 
 
 @internal
-def _add_swelling_rate(mean, on_cof, weight_rate, change, swelling, out):
+def _add_volume_strain_rate(mean, on_cof, weight_rate, change, volume_strain, out):
     """s_h' += N_h / V_h (w cof F : e + w' (det F - 1 - s_h)), over all states."""
     for s in range(out.size):
-        out[s] += mean * (on_cof[s] + weight_rate * (change[s] - swelling[s]))
+        out[s] += mean * (on_cof[s] + weight_rate * (change[s] - volume_strain[s]))
 
 
 @internal
-def _add_pressure_rate(bulk, function, swelling_rate, out):
+def _add_pressure_rate(bulk, function, volume_strain_rate, out):
     """p' += K N_h s_h', over all states."""
     for s in range(out.size):
-        out[s] += bulk[s] * function * swelling_rate[s]
+        out[s] += bulk[s] * function * volume_strain_rate[s]
 
 
 @internal

@@ -26,18 +26,18 @@ class Deformation(NamedTuple):
         F in the order 11, 12, 21, 22, and J - 1; in a body of revolution also h.
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
-    swelling : ndarray, shape (K, n_columns, m)
+    volume_strain : ndarray, shape (K, n_columns, m)
         s_h, projected J - 1 + c.
     fractions : ndarray, shape (K,)
         Path parameters of the fields.
     offset : ndarray, shape (K, n_columns)
-        c, minus the volume change that costs no energy (``materials.conditioned``); 0 in a body that
-        has no environment.
+        c, minus the volume change that costs no energy (``materials.stretch_and_growth``); 0 in a body
+        without environment.
     """
 
     f: np.ndarray
     square: np.ndarray
-    swelling: np.ndarray
+    volume_strain: np.ndarray
     fractions: np.ndarray
     offset: np.ndarray
 
@@ -64,7 +64,7 @@ def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
 
 
 @inlined
-def _swelling(functions, h, weights, column, f):
+def _volume_strain(functions, h, weights, column, f):
     """s_h = sum_q N_h w (det F - 1) / V_h of one column."""
     volume, change = 0.0, 0.0
     for q in range(len(f)):
@@ -171,8 +171,8 @@ def deform(table, weights, functions, d, out):
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
         for h in range(len(functions)):
-            out.swelling[0, column, h] = (
-                _swelling(functions, h, weights, column, f) + out.offset[0, column]
+            out.volume_strain[0, column, h] = (
+                _volume_strain(functions, h, weights, column, f) + out.offset[0, column]
             )
     return -1
 
@@ -226,8 +226,8 @@ def _deform_many(table, weights, functions, d, out):
                     f[5] = 1.0 + widening
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
             for h in range(len(functions)):
-                out.swelling[k, column, h] = (
-                    _swelling(functions, h, weights, column, out.f[k, column])
+                out.volume_strain[k, column, h] = (
+                    _volume_strain(functions, h, weights, column, out.f[k, column])
                     + out.offset[k, column]
                 )
 

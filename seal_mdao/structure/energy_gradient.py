@@ -16,7 +16,7 @@ import numpy as np
 
 from seal_mdao.compilation import compiled
 from seal_mdao.rkpm.shape_functions import grad_rows
-from seal_mdao.structure.internal_force import W_H, plane_jacobian, point_stress
+from seal_mdao.structure.internal_force import W_H, piola_stress, plane_jacobian
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def energy_gradient(term, step) -> EnergyGradient:
     table, weights, d = term.cells.table, term.cells.column_weights, step.d
     deformation = term.deformation_of(d[None], [step.fraction])
     bulk = term.bulk_at([step.fraction])[0]
-    pressure, squares = term.pressure(deformation)[0], term.squared_swelling(deformation)
+    pressure, squares = term.pressure(deformation)[0], term.squared_volume_strain(deformation)
     # dE/dw = W + K sum_h N_h (s_h e - s_h^2 / 2)
     change = deformation.f[0, ..., 4] + deformation.offset[0, :, None]
     on_weights = term.density(deformation) + pressure * change
@@ -98,7 +98,7 @@ def _fill_gradient(table, weights, f, w, pressure, d, out):
         for q in range(q_count):
             # P = 2 W_T F + (W_J + p) cof F
             w_j = w[1, column, q] + pressure[column, q]
-            p = point_stress(f[column, q], w[0, column, q], w_j)
+            p = piola_stress(f[column, q], w[0, column, q], w_j)
             for j in range(2):
                 # dE/dB_Ij = w P_ij d_Ii
                 x, y = weights[column, q] * p[j], weights[column, q] * p[2 + j]

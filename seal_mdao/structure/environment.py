@@ -2,7 +2,7 @@
 
 A material at the temperature T grows freely by theta = (1 + alpha (T - T_0)) S^(1/3), with its expansion
 alpha and the ratio S of its volume swollen and dry, and its moduli have the factor m(T). A long section
-is stretched along its axis by h. See ``materials.conditioned`` for the energy.
+is stretched along its axis by h. See ``materials.stretch_and_growth`` for the energy.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.materials.conditioned import Conditions
+from seal_mdao.materials.stretch_and_growth import Conditions
 from seal_mdao.terms.ramp import Ramp, StageTimes
 from seal_mdao.terms.term import Scalar
 

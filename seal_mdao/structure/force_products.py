@@ -32,7 +32,7 @@ from seal_mdao.structure.deformation import block, group_displacements, widest_g
 
 
 @compiled
-def add_force_rates(states, rates, weight_rates, equations, out):
+def add_internal_force_rates(states, rates, weight_rates, equations, out):
     """Add f' = B^T (w P)' + B'^T w P, a'_V of Eq. (46), at K steps for P parameters to ``out``.
 
     Parameters
@@ -148,8 +148,8 @@ def _weight_seeds(law, at, strain, q, out):
     for h in range(len(law.functions)):
         for s in range(out.size):
             # K N_h (e - s_h) s_h'
-            bulk, beyond = law.bulk[s] * law.functions[h, q], change[s] - law.swelling[h, s]
-            out[s] += bulk * beyond * law.swelling_rate[h, s]
+            bulk, beyond = law.bulk[s] * law.functions[h, q], change[s] - law.volume_strain[h, s]
+            out[s] += bulk * beyond * law.volume_strain_rate[h, s]
 
 
 @internal
@@ -176,7 +176,7 @@ def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_rat
                 if rate != 0.0:
                     # w dP/dK : e = sum_h N_h s_h w cof F : e
                     for h in range(len(functions)):
-                        out[c, s] += rate * (functions[h, q] * law.swelling[h, s] * on_cof[s])
+                        out[c, s] += rate * (functions[h, q] * law.volume_strain[h, s] * on_cof[s])
 
 
 @internal
@@ -188,8 +188,11 @@ def _add_rows(values, first, end, out, at):
 
 
 @compiled
-def add_force_seeds(states, by_constants, bulk_rates, step_of, adjoints, mix, equations, out):
-    """Add the seeds of L = -lambda . f on B, w and the constants, the transpose of ``add_force_rates``.
+def add_internal_force_seeds(
+    states, by_constants, bulk_rates, step_of, adjoints, mix, equations, out
+):
+    """Add the seeds of L = -lambda . f on B, w and the constants: transpose of
+    ``add_internal_force_rates``.
 
     Parameters
     ----------

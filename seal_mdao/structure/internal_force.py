@@ -33,7 +33,7 @@ def plane_jacobian(f):
 
 
 @inlined
-def point_stress(f, w_t, w_j):
+def piola_stress(f, w_t, w_j):
     """First Piola-Kirchhoff stress P = 2 W_T F + W_J h cof F: 11, 12, 21, 22."""
     on_cofactor = w_j * hoop_stretch(f)
     return (
@@ -228,7 +228,7 @@ def assemble_internal(
         grad = table.grad[rows * s0 * q_count : rows * (s0 + n) * q_count]
         grad = grad.reshape(q_count, rows, n)
         # s_h of the column
-        swelling = deformation.swelling[k, column]
+        volume_strain = deformation.volume_strain[k, column]
         for i in range(2 * n):
             local[i] = 0.0
             for h in range(len(functions)):
@@ -236,9 +236,9 @@ def assemble_internal(
         for q in range(q_count):
             f, weight, b = deformation.f[k, column, q], weights[column, q], grad[q]
             # P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
-            pressure = bulk[column] * at_point(functions, q, swelling)
+            pressure = bulk[column] * at_point(functions, q, volume_strain)
             w_t, w_j = w[0, column, q], w[1, column, q] + pressure
-            p = point_stress(f, w_t, w_j)
+            p = piola_stress(f, w_t, w_j)
             if carried.size:
                 # + F H
                 more = carried_stress(f, carried[column, q])

@@ -22,8 +22,8 @@ import numpy as np
 from seal_mdao.rkpm.transformed import TableRates
 from seal_mdao.structure.energy_gradient import BodySeeds, add_gradient_rates, energy_gradient
 from seal_mdao.structure.force_products import (
-    add_force_rates,
-    add_force_seeds,
+    add_internal_force_rates,
+    add_internal_force_seeds,
     add_tangent_product,
 )
 from seal_mdao.structure.internal_force import W_H, assemble_internal
@@ -100,7 +100,7 @@ class BodyBlock:
     def add_rates(self, design: BodyDesign, loads) -> None:
         """f' = B^T (w P)' + B'^T w P, Eq. (46), and what the constants do."""
         equations = self.scatter.equations
-        add_force_rates(self.states, design.grad, design.weights, equations, loads)
+        add_internal_force_rates(self.states, design.grad, design.weights, equations, loads)
         if design.parameters.any():
             self._add_constants(design.parameters, loads)
 
@@ -131,7 +131,7 @@ class BodyBlock:
         if design.wanted:
             constants = term.constant_derivatives(self.states.deformation, self.steps)
             bulk_rates = term.bulk_rates(self.states.deformation.fractions)
-        add_force_seeds(
+        add_internal_force_seeds(
             self.states, constants, bulk_rates, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
             np.hstack(adjoints), np.vstack(mixes), self.scatter.equations,
             (design.grad, design.weights, design.parameters[: len(constants)]),

@@ -10,7 +10,7 @@ and the von Mises stress of sigma. The derivatives go back through the steps as 
 
 import numpy as np
 
-from seal_mdao.materials import conditioned
+from seal_mdao.materials import stretch_and_growth
 from seal_mdao.structure.environment import at_points
 from seal_mdao.structure.second_stress import (
     along_gradient,
@@ -129,7 +129,7 @@ class _Step:
         self.region, self.f = region, f
         self.own = at_points(structure.conditions(region, [fraction]))
         self.state = point_state(f)
-        self.w = conditioned.derivatives(region.material, self.state, self.own.conditions)
+        self.w = stretch_and_growth.derivatives(region.material, self.state, self.own.conditions)
         self.stress = second_stress(f, self.w[0], self.w[1], self.w[5])
 
     @property
@@ -140,11 +140,11 @@ class _Step:
     def by_parameter(self):
         """Yield names of parameters and dS/d(each), (s, 4)."""
         material, state, own = self.region.material, self.state, self.own
-        rows = conditioned.constant_derivatives(material, state, own.conditions)
+        rows = stretch_and_growth.constant_derivatives(material, state, own.conditions)
         for name, row in zip(self.region.names, rows, strict=True):
             yield name, second_stress(self.f, *row)
         if own.rates:
-            slopes = conditioned.rates(material, state, own.conditions)
+            slopes = stretch_and_growth.rates(material, state, own.conditions)
             for name, rates in own.rates.items():
                 # d(W_T, W_J, W_h)/dp = d/d(h, theta, m) . d(h, theta, m)/dp
                 yield name, second_stress(self.f, *(slopes * rates[:, None]).sum(axis=0))

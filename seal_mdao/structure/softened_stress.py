@@ -8,7 +8,7 @@ one N. The deviatoric stress has the factor eta of ``materials.ogden_roxburgh``:
 
 import numpy as np
 
-from seal_mdao.materials import conditioned
+from seal_mdao.materials import stretch_and_growth
 from seal_mdao.materials.ogden_roxburgh import softened
 from seal_mdao.structure.second_stress import along_gradient, point_state, second_stress
 
@@ -77,7 +77,7 @@ class _Path:
         self.structure, self.region, self.f, self.fractions = structure, region, f, fractions
         # W without the factor of the moduli over the temperature, as in ``softening``
         energies = np.array(
-            [conditioned.energy(region.material, self.state(n), None) for n in range(len(f))]
+            [stretch_and_growth.energy(region.material, self.state(n), None) for n in range(len(f))]
         )
         # W_max = 0 of the undeformed state before the first step
         before = np.concatenate([np.zeros((1, f.shape[1])), energies[:-1]])
@@ -97,12 +97,12 @@ class _Path:
 
     def energy_gradient(self, n: int) -> np.ndarray:
         """dW/dF and dW/dh at a step, (s, 4 or 5)."""
-        w = conditioned.derivatives(self.region.material, self.state(n), None)
+        w = stretch_and_growth.derivatives(self.region.material, self.state(n), None)
         return _by_gradient(self.f[n], w[0], w[1], w[5:6])
 
     def energy_constants(self, n: int):
         """Yield names of parameters and dW/d(each) at a step, (s,)."""
-        rows = conditioned.constant_energies(self.region.material, self.state(n), None)
+        rows = stretch_and_growth.constant_energies(self.region.material, self.state(n), None)
         yield from zip(self.region.names, rows, strict=True)
 
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.materials import conditioned
+from seal_mdao.materials import stretch_and_growth
 from seal_mdao.materials.hoop_stretch import is_isochoric
 from seal_mdao.materials.ogden_roxburgh import is_below, softened, step_potential
 from seal_mdao.structure.internal_force import W_H, W_HH, W_JH, W_TH
@@ -152,7 +152,7 @@ class Softening:
         out = np.zeros((len(term.names), *deformation.square.shape))
         by_cell = term.by_cell(out)
         for region, state in term.by_region(deformation):
-            rows = conditioned.constant_energies(region.material, state, None)
+            rows = stretch_and_growth.constant_energies(region.material, state, None)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[term.names.index(name)][:, region.at] += row
         return out

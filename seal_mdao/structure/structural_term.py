@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.materials import conditioned, hoop_stretch
+from seal_mdao.materials import hoop_stretch, stretch_and_growth
 from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
@@ -52,10 +52,10 @@ class StructuralResponse(NamedTuple):
         return self
 
 
-class GivenSwelling(NamedTuple):
-    """Swelling (1, n_columns, m) whose pressure the tangent of the first mixed iteration has."""
+class GivenVolumeStrain(NamedTuple):
+    """Volumetric strain (1, n_columns, m) with the pressure of the first mixed tangent."""
 
-    swelling: np.ndarray
+    volume_strain: np.ndarray
 
 
 class ColumnsVolumetric(NamedTuple):
@@ -150,7 +150,9 @@ class StructuralTerm(Term):
         # every region by its own law
         for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
-            rows[:, :, region.at] = conditioned.derivatives(region.material, state, own.conditions)
+            rows[:, :, region.at] = stretch_and_growth.derivatives(
+                region.material, state, own.conditions
+            )
         return out
 
     def law_derivatives(self, deformation: Deformation) -> np.ndarray:
@@ -162,12 +164,12 @@ class StructuralTerm(Term):
         for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
             # d(W_T, W_J)/dc; equal names are one parameter
-            rows = conditioned.constant_derivatives(region.material, state, own.conditions)
+            rows = stretch_and_growth.constant_derivatives(region.material, state, own.conditions)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, :, region.at] += row
             # d(W_T, W_J)/dp = d(W_T, W_J)/d(h, theta, m) . d(h, theta, m)/dp
             for name, rates in own.rates.items():
-                slopes = conditioned.rates(region.material, state, own.conditions)
+                slopes = stretch_and_growth.rates(region.material, state, own.conditions)
                 row = (slopes * rates[:, None]).sum(axis=0)
                 by_cell[self.names.index(name)][:, :, region.at] += row
         return out
@@ -224,7 +226,10 @@ class StructuralTerm(Term):
                 out[0][:, self.column_regions == number] = 1.0
                 out[1][:, self.column_regions == number] = 0.0
                 continue
-            law, columns = conditioned.volumetric(own.conditions), self.column_regions == number
+            law, columns = (
+                stretch_and_growth.volumetric(own.conditions),
+                self.column_regions == number,
+            )
             out[:, :, columns] = np.reshape([law.bulk, law.offset], (2, -1, 1))
             slopes = np.array([law.bulk_rates, law.offset_rates])
             for name, by_name in own.rates.items():
@@ -295,12 +300,12 @@ class StructuralTerm(Term):
         """K* sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
         # p = K* sum_h N_h s_h
         bulk = self.bulk_at(deformation.fractions)
-        return bulk[..., None] * (deformation.swelling @ self.functions)
+        return bulk[..., None] * (deformation.volume_strain @ self.functions)
 
-    def squared_swelling(self, deformation: Deformation) -> np.ndarray:
+    def squared_volume_strain(self, deformation: Deformation) -> np.ndarray:
         """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
         # sum_h N_h s_h^2
-        return deformation.swelling[0] ** 2 @ self.functions
+        return deformation.volume_strain[0] ** 2 @ self.functions
 
     # ---- stress at points ----
 
@@ -308,16 +313,16 @@ class StructuralTerm(Term):
         """Von Mises stress at states (T, J), or (T, J, h), of a region, and its derivatives in them,
         shape (3 or 4, ...)."""
         own = at_points(self.conditions(region, [fraction]))
-        return conditioned.von_mises(region.material, state, own.conditions)
+        return stretch_and_growth.von_mises(region.material, state, own.conditions)
 
     def von_mises_rates(self, region: Region, state, fraction: float):
         """Yield the parameters of a region and d sigma_vm / d(each) at states of it."""
         own = at_points(self.conditions(region, [fraction]))
-        rows = conditioned.von_mises_constants(region.material, state, own.conditions)
+        rows = stretch_and_growth.von_mises_constants(region.material, state, own.conditions)
         yield from zip(region.names, rows, strict=True)
         # d sigma/dp = d sigma/d(h, theta, m) . d(h, theta, m)/dp
         for name, rates in own.rates.items():
-            slopes = conditioned.von_mises_rates(region.material, state, own.conditions)
+            slopes = stretch_and_growth.von_mises_rates(region.material, state, own.conditions)
             yield name, (slopes * rates).sum(axis=0)
 
     # ---- the contract of a term ----
@@ -349,24 +354,24 @@ class StructuralTerm(Term):
         if before is None:
             assemble_internal(*quadrature, now, *law, force, values)
             return response
-        # tangent with the pressure of the linearised swelling, force with the exact one
-        if isinstance(before, GivenSwelling):
-            swelling = before.swelling
+        # tangent with the pressure of the linearised volumetric strain, force with the exact one
+        if isinstance(before, GivenVolumeStrain):
+            volume_strain = before.volume_strain
         else:
-            swelling = now.swelling - self._beyond_linear(table, d - before)
-        expected = now._replace(swelling=swelling)
+            volume_strain = now.volume_strain - self._beyond_linear(table, d - before)
+        expected = now._replace(volume_strain=volume_strain)
         assemble_internal(*quadrature, now, *law, force, np.empty(0))
         assemble_internal(*quadrature, expected, *law, np.empty_like(force), values)
         return response
 
     def _beyond_linear(self, table, du) -> np.ndarray:
-        """Part of the swelling (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
+        """Part of the volumetric strain (n_columns, m) that is quadratic in an increment ``du`` (n, 2):
         det(F + G) - det F - cof F : G = det G with G = grad du, and what the hoop stretch adds. 0
         where an increment inverts a cell."""
         weights, functions = self.cells.column_weights, self.functions
         increment = no_deformation(1, self.cells, len(functions))
         if deform(table, weights, functions, du, increment) >= 0:
-            return np.zeros(self.deformation.swelling.shape[1:])
+            return np.zeros(self.deformation.volume_strain.shape[1:])
         f, now = increment.f[0], self.deformation.f[0]
         change, around = f[..., 4], increment.hoop is not None
         if around:
@@ -384,12 +389,12 @@ class StructuralTerm(Term):
         # sum_q N_h w det G / V_h
         return (weights * beyond) @ functions.T / (weights @ functions.T)
 
-    def swelling_at(self, d: np.ndarray, fraction: float) -> np.ndarray:
+    def volume_strain_at(self, d: np.ndarray, fraction: float) -> np.ndarray:
         """Compute the projected volume change of the columns of cells at displacements ``d`` (n, 2),
         shape (n_columns, m)."""
         found = self._placed(no_deformation(1, self.cells, len(self.functions)), [fraction])
         deform(self.cells.table, self.cells.column_weights, self.functions, d, found)
-        return found.swelling[0]
+        return found.volume_strain[0]
 
     # ---- mixed iterations ----
 
@@ -405,12 +410,12 @@ class StructuralTerm(Term):
         self._before = self.discretization.transformation.coefficients(step.d)
 
     def begin_near(self, d, target, known):
-        # known: swelling (n_columns, m)
-        self._before = None if known is None else GivenSwelling(known[None])
+        # known: volumetric strain (n_columns, m)
+        self._before = None if known is None else GivenVolumeStrain(known[None])
 
     def add_mixed(self, d, raw, fraction, history, force, values):
-        """The pressure in the tangent is K times the linearised swelling: what a linearised rotation
-        adds to det F is of second order, but not when the bulk modulus multiplies it."""
+        """The pressure in the tangent is K times the linearised volumetric strain: what a linearised
+        rotation adds to det F is of second order, but not when the bulk modulus multiplies it."""
         scatter, before = self.discretization.layout.scatter[0], self._before
         own = self._assemble(self.cells.raw, raw, fraction, history, scatter, force, values, before)
         self._before = before if own is None else raw
@@ -468,7 +473,7 @@ class StructuralTerm(Term):
         if self.material_history is not None:
             f = deformation.f[0]
             density = self.material_history.step_density(density, f, response)
-        volumetric = 0.5 * bulk[:, None] * self.squared_swelling(deformation)
+        volumetric = 0.5 * bulk[:, None] * self.squared_volume_strain(deformation)
         return float((weights * (density + volumetric)).sum())
 
     def density(self, deformation: Deformation) -> np.ndarray:
@@ -477,7 +482,9 @@ class StructuralTerm(Term):
         by_cell = self.by_cell(out)
         for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
-            by_cell[:, region.at] = conditioned.energy(region.material, state, own.conditions)
+            by_cell[:, region.at] = stretch_and_growth.energy(
+                region.material, state, own.conditions
+            )
         return out[0]
 
     def constant_densities(self, deformation: Deformation) -> np.ndarray:
@@ -486,12 +493,12 @@ class StructuralTerm(Term):
         by_cell = self.by_cell(out)
         for region, state in self.by_region(deformation):
             own = self.conditions(region, deformation.fractions)
-            rows = conditioned.constant_energies(region.material, state, own.conditions)
+            rows = stretch_and_growth.constant_energies(region.material, state, own.conditions)
             for name, row in zip(region.names, rows, strict=True):
                 by_cell[self.names.index(name)][:, region.at] += row
             # dW/dp = dW/d(h, theta, m) . d(h, theta, m)/dp
             for name, rates in own.rates.items():
-                slopes = conditioned.energy_rates(region.material, state, own.conditions)
+                slopes = stretch_and_growth.energy_rates(region.material, state, own.conditions)
                 by_cell[self.names.index(name)][:, region.at] += (slopes * rates).sum(axis=0)
         return out[:, 0]
 
@@ -501,7 +508,7 @@ class StructuralTerm(Term):
         # sum_q w dW/dp
         out = np.einsum("ncq,cq->n", self.constant_densities(deformation), weights)
         # dK*/dp sum_h V_h s_h^2 / 2
-        squares = (weights * self.squared_swelling(deformation)).sum(axis=1)
+        squares = (weights * self.squared_volume_strain(deformation)).sum(axis=1)
         out += 0.5 * self.bulk_rates(fractions)[:, 0] @ squares
         # K* c' sum_h V_h s_h
         pressure = (weights * self.pressure(deformation)[0]).sum(axis=1)

@@ -175,7 +175,8 @@ class Term:
         Parameters
         ----------
         known : ndarray or None
-            What of the solution is known to the term: the swelling of the body, the gaps of a contact.
+            What of the solution is known to the term: the volumetric strain of the body, the gaps of a
+            contact.
         """
         self.begin(None)
 

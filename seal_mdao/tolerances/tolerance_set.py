@@ -1,4 +1,7 @@
-"""All tolerances of a seal, and samples of them."""
+"""Tolerances of a seal, and the sampling of them: Sobol sequence or Latin hypercube.
+
+The analysis of the samples is ``tolerance_study``.
+"""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,7 @@
-"""Tolerance study: samples are analysed, recorded as they finish, and resumed after an interruption."""
+"""Tolerance study: analyse samples, record them as they finish, resume after an interruption.
+
+The samples are drawn in ``tolerance_set``, their statistics are in ``statistics``.
+"""
 
 import json
 from collections.abc import Callable

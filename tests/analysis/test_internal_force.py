@@ -99,16 +99,16 @@ def test_force_without_tangent_is_the_same(any_body):
     np.testing.assert_array_equal(internal(disc, d)[0], internal(disc, d, tangent=False)[0])
 
 
-def test_swelling_beyond_its_linearisation(any_body, rng):
+def test_volume_strain_beyond_its_linearisation(any_body, rng):
     """What mixed iterations leave out of the pressure: s(d) - s(d - du) - s'(d - du) du."""
     disc, d = any_body
     term, du = structure(disc), 0.02 * rng.standard_normal(d.shape)
 
-    def swelling(at):
-        return term.deformation_of(at[None], [0.0]).swelling[0]
+    def volume_strain(at):
+        return term.deformation_of(at[None], [0.0]).volume_strain[0]
 
-    linear = slope(lambda s: swelling(d - du + s * du), 1e-2)
-    exact = swelling(d) - swelling(d - du) - linear
+    linear = slope(lambda s: volume_strain(d - du + s * du), 1e-2)
+    exact = volume_strain(d) - volume_strain(d - du) - linear
     # takes the state at d
     assert term.forces(d, 0.0) is not None
     found = term._beyond_linear(disc.cells.table, du)

@@ -95,26 +95,26 @@ def test_a_point_far_from_where_it_was_linearised_stays_where_it_is():
     np.testing.assert_array_equal(expected(profile, POSE, now, *linearized)[0], now)
 
 
-# ---- the linearised swelling ----
+# ---- the linearised volumetric strain ----
 
 
-def test_the_swelling_is_linear_in_the_increment(nominal):
+def test_the_volume_strain_is_linear_in_the_increment(nominal):
     """(s(u + du) - s(u - du)) / 2 is the linear part: in two dimensions det F has no third."""
     problem, step = problem_of(nominal), nominal.path.steps[60]
     structure = problem.term("structure")
     table, raw = structure.cells.raw, problem.discretization.transformation.coefficients
     before, after = raw(step.d), raw(nominal.path.steps[61].d)
 
-    def swelling(d):
+    def volume_strain(d):
         assert structure._assemble(table, d, 61.0, None, problem.discretization.layout.scatter[0],
                                    np.zeros(problem.discretization.layout.force_size),
                                    np.empty(0))  # fmt: skip
-        return structure.deformation.swelling[0].copy()
+        return structure.deformation.volume_strain[0].copy()
 
-    linear = 0.5 * (swelling(after) - swelling(2.0 * before - after))
+    linear = 0.5 * (volume_strain(after) - volume_strain(2.0 * before - after))
     quadratic = structure._beyond_linear(table, after - before)
     assert np.abs(quadratic).max() > 1e-6
-    found = swelling(after) - quadratic - swelling(before)
+    found = volume_strain(after) - quadratic - volume_strain(before)
     np.testing.assert_allclose(found, linear, rtol=0.0, atol=1e-13)
 
 

@@ -14,7 +14,7 @@ from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.force_products import add_tangent_product
-from seal_mdao.structure.pressure import PressureSpace, through_column
+from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.structure.region import Region
 
 RUBBER = sm.MooneyRivlin(*CONSTANTS)
@@ -137,8 +137,8 @@ def test_energy_is_that_of_the_projected_volume_change(rng):
         grad = table.grad[2 * q * low : 2 * q * high].reshape(q, 2, -1)
         F = np.eye(2) + np.einsum("qja,ai->qij", grad, d[table.neighbours[low:high]])
         volumes = space.functions @ weights
-        swelling = space.functions @ (weights * (np.linalg.det(F) - 1)) / volumes
-        total += 0.5 * volumes @ swelling**2
+        volume_strain = space.functions @ (weights * (np.linalg.det(F) - 1)) / volumes
+        total += 0.5 * volumes @ volume_strain**2
     assert energy(disc, d, (0.0, 0.0, 1.0)) == pytest.approx(total, rel=1e-12)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.contact.friction import FRICTION, ContactHistory
 from seal_mdao.contact.kinematics import normal_gaps
-from seal_mdao.contact.rigid_linearization import contact_linearization, contact_points
+from seal_mdao.contact.rigid_forces import contact_linearization, contact_points
 from seal_mdao.geometry.curve import ARC, curve_point, curve_velocity
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.geometry.profile import (

@@ -1,5 +1,5 @@
 """The fictitious loads (57), (63), (66) and the slip rate (60), expanded term by term as the comments of
-``contact.rigid_linearization`` and ``contact.friction`` write them, against the package's columns."""
+``contact.rigid_forces`` and ``contact.friction`` write them, against the package's columns."""
 
 from types import SimpleNamespace
 

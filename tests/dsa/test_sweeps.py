@@ -9,7 +9,7 @@ from verification.differences import perturbed, same_sequence
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import CARRIED, OPEN, STICK, XI
-from seal_mdao.contact.rigid_linearization import slip_slopes
+from seal_mdao.contact.rigid_forces import slip_slopes
 from seal_mdao.dsa.adjoint import AdjointSweep
 from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.factors import blocks

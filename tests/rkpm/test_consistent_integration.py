@@ -9,14 +9,14 @@ from clouds import rate_rows, rows
 import seal_mdao as sm
 from seal_mdao.dsa.shape_rates import discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.rkpm.essential import transformation_seeds
-from seal_mdao.rkpm.integration import (
+from seal_mdao.rkpm.consistent_gradients import (
     EDGE_POINTS,
     add_normal_seeds,
     edge_normals,
     edge_rule,
     integration_points,
 )
+from seal_mdao.rkpm.essential import transformation_seeds
 from seal_mdao.rkpm.tables import build_table
 
 

@@ -11,7 +11,7 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.dead_load import DeadLoad
 from seal_mdao.rkpm import visibility
 from seal_mdao.rkpm.cells import support_radii
-from seal_mdao.rkpm.integration import integration_points
+from seal_mdao.rkpm.consistent_gradients import integration_points
 from seal_mdao.rkpm.tables import build_table
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.structure.elastic_body import elastic_body

@@ -10,7 +10,7 @@ from ring_files import ring
 
 import seal_mdao as sm
 from seal_mdao.geometry.polygon import polygon_area
-from seal_mdao.seals.samples import Samples
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 
 HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
 MEASURES = """\
@@ -184,7 +184,7 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
     given = given.replace("temperature = 90.0", "temperature = 23.0")
     given = given.replace("start = [0, 4.02]", "start = [0, 4.5]").replace("-0.5]", "-0.1]")
     result = sm.analyze(sm.build_seal(read(tmp_path, given)))
-    samples = Samples(result.path)
+    samples = EvaluationPoints(result.path)
     free = samples.undeformed[:, 1] > 2.0
     # J - 1 = p / K with stresses up to two shear moduli, K = 20 of them; det F is 0.53
     np.testing.assert_allclose(samples.volume_change[free], 1.0, atol=0.1)

@@ -12,8 +12,8 @@ import seal_mdao as sm
 from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.seals import checks
 from seal_mdao.seals.checks import findings
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.overlap import crossings
-from seal_mdao.seals.samples import Samples
 
 REFERENCES = Path(__file__).parents[1] / "verification" / "references"
 
@@ -144,7 +144,7 @@ def test_sides_of_cells():
 
 def test_wall_is_the_thickness(nominal):
     """Of a ring nearly that of its radii; the base is thicker."""
-    assert Samples(nominal.path).wall == pytest.approx(2.0, rel=0.02)
+    assert EvaluationPoints(nominal.path).wall == pytest.approx(2.0, rel=0.02)
 
 
 def test_crossings_of_a_bow_tie():
@@ -176,7 +176,7 @@ def test_inverted_end_of_a_fixed_edge_is_named_and_admissible(bonded):
 
 
 def test_inverted_material_is_beside_the_ends_of_the_fixed_edge_alone(bonded):
-    samples = Samples(bonded.path)
+    samples = EvaluationPoints(bonded.path)
     inverted = samples.undeformed[samples.volume_change <= 0.0]
     assert len(inverted)
     assert np.all(np.hypot(np.abs(inverted[:, 0]) - 5.0, inverted[:, 1]) < 0.4)

@@ -10,7 +10,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.cli.examples import examples_folder
 from seal_mdao.seals import creases
-from seal_mdao.seals.samples import Samples
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 
 
 def analysed(name):
@@ -34,7 +34,7 @@ def test_creases_in_the_inner_corner_of_a_bulb_are_reported(d_bulb):
 
 def test_bulb_that_bends_less_has_no_creases():
     """Its most compressed side has a stretch of 0.81."""
-    assert not creases.creases(Samples(analysed("sealed_bulb").path))
+    assert not creases.creases(EvaluationPoints(analysed("sealed_bulb").path))
 
 
 def ended(result, steps):
@@ -66,7 +66,7 @@ def test_a_path_that_ends_before_creases_has_other_advice(d_bulb, steps):
 
 def test_surface_in_contact_forms_no_creases(d_bulb, monkeypatch):
     """The sides under the door touch it, those of the cavity do not."""
-    samples = Samples(d_bulb.path)
+    samples = EvaluationPoints(d_bulb.path)
     chains = samples.chains
     touching = creases._touching(samples, chains, np.full(len(chains), 0.1))
     height = samples.places[chains[:, 2], 1]

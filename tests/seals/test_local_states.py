@@ -11,8 +11,8 @@ from seal_mdao.cli.examples import examples_folder
 from seal_mdao.measures.singular_points import singular_points
 from seal_mdao.seals import local_states
 from seal_mdao.seals.checks import findings
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import meaningless_states, stress_peak
-from seal_mdao.seals.samples import Samples
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def l_shape():
 
 
 def test_an_ordinary_state_is_trustworthy(pressed):
-    assert not list(meaningless_states(Samples(pressed.path)))
+    assert not list(meaningless_states(EvaluationPoints(pressed.path)))
     assert pressed.trustworthy
 
 
@@ -52,7 +52,7 @@ def test_a_state_beyond_any_rubber_is_named_with_its_cure(pressed, monkeypatch, 
 def test_a_high_stress_all_around_is_not_that_of_a_point(pressed, monkeypatch):
     monkeypatch.setattr(local_states, "LARGEST_STRESS", 1e-3)
     monkeypatch.setattr(local_states, "ABOVE_NEIGHBOURS", 1e3)
-    assert not list(meaningless_states(Samples(pressed.path)))
+    assert not list(meaningless_states(EvaluationPoints(pressed.path)))
 
 
 def test_ends_of_fixed_edges_and_reentrant_corners_are_singular():
@@ -101,7 +101,7 @@ def test_sponge_below_a_fifth_of_its_volume_is_not_trustworthy(tmp_path):
     assert result.converged
     states = []
     for part in list(result.up_to_each_step())[-16:]:
-        least = Samples(part.path).volume_change.min()
+        least = EvaluationPoints(part.path).volume_change.min()
         stress = part.section_stress()[1]
         flagged = [own for own in findings(part.path) if "det F" in own.text]
         assert bool(flagged) == (least < 0.2)

@@ -10,8 +10,8 @@ import seal_mdao as sm
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.seals import checks
 from seal_mdao.seals.checks import findings
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.missing_contact import buried_edges, missing_contact
-from seal_mdao.seals.samples import Samples
 
 BUMPER = """
 model = {{ kinematics = "axisymmetric" }}
@@ -88,7 +88,7 @@ def test_depth_is_compared_with_parts_of_the_wall(alone, monkeypatch):
     """The side lies 0.74 mm inside, 10 % of the wall of 7.4 mm."""
     (own,) = buried_edges(alone.path, 0.0)
     assert list(buried_edges(alone.path, own.depth)) == []
-    part = own.depth / Samples(alone.path).wall
+    part = own.depth / EvaluationPoints(alone.path).wall
     for missed, meaningless in ((0.99 * part, True), (1.01 * part, False)):
         monkeypatch.setattr(checks, "MISSED", missed)
         (found,) = of_side(replace(alone, path=replace(alone.path)))

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 
 from seal_mdao.contact.friction import ContactHistory, no_history
 from seal_mdao.contact.kinematics import normal_gaps
-from seal_mdao.contact.rigid_linearization import contact_points
+from seal_mdao.contact.rigid_forces import contact_points
 from seal_mdao.measures.selection import contact_range
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.seals.seal import Seal

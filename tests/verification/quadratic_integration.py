@@ -21,7 +21,7 @@ import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body, Discretization, discretize
 from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
-from seal_mdao.rkpm.integration import (
+from seal_mdao.rkpm.consistent_gradients import (
     CellTable,
     EdgeRule,
     around_normals,

@@ -16,7 +16,7 @@ from seal_mdao.rkpm.cells import GAUSS_POINTS
 from seal_mdao.seals.door.section import RingGrid, Section
 from seal_mdao.seals.door.shapes import CornerDoor, FlatDoor
 from seal_mdao.seals.door.splines import BoundarySplines
-from seal_mdao.seals.wall_grid import SCHEMES
+from seal_mdao.seals.wall_grid import WALL_SCHEMES
 from seal_mdao.terms.points import CONTACT_POINTS
 
 BASE_RAYS = 58
@@ -145,7 +145,7 @@ class DoorOptions:
     rays: int = _option(BASE_RAYS, _integer(BASE_RAYS, 40 * BASE_RAYS))
     layers: int = _option(3, _integer(3, 40))  # two leave the wall far too soft
     refinement: int = _option(1, _integer(1, 10))
-    support: float | tuple[float, float] = _option(SCHEMES["paper"].support, _support)
+    support: float | tuple[float, float] = _option(WALL_SCHEMES["paper"].support, _support)
     basis_order: int = _option(1, _integer(1, 2))
     n_gauss: int | tuple[int, int] = _option(2, _gauss)
     pressure: str = _option("cell", _one_of("cell", "wall"))

@@ -16,7 +16,7 @@ from seal_mdao.seals.door.door_options import BASE_RAYS, PARTS, DoorOptions, doo
 from seal_mdao.seals.door.splines import design_velocity
 from seal_mdao.seals.seal import Parameter, Seal
 from seal_mdao.seals.steps_and_penalties import choose
-from seal_mdao.seals.wall_grid import SCHEMES
+from seal_mdao.seals.wall_grid import WALL_SCHEMES
 from seal_mdao.structure.elastic_body import elastic_body
 from seal_mdao.terms.averaged_points import averaged_points
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, edge_points
@@ -54,10 +54,10 @@ PARAMETERS = {
 ACCURACIES = {
     "paper": {},
     "engineering": {
-        "layers": 4, **SCHEMES["engineering"]._asdict(), "n_steps": 20, "solver": "banded",
+        "layers": 4, **WALL_SCHEMES["engineering"]._asdict(), "n_steps": 20, "solver": "banded",
     },
     "fine": {
-        "rays": 2 * BASE_RAYS, "layers": 5, **SCHEMES["fine"]._asdict(), "n_steps": 42,
+        "rays": 2 * BASE_RAYS, "layers": 5, **WALL_SCHEMES["fine"]._asdict(), "n_steps": 42,
         "solver": "banded",
     },
 }  # fmt: skip

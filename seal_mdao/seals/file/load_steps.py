@@ -1,4 +1,4 @@
-"""Load steps and penalties of a seal file: given, or to be chosen within a tolerance."""
+"""Keys ``steps`` and ``penalties`` of a seal file: given, or chosen (``seals.steps_and_penalties``)."""
 
 from dataclasses import replace
 from typing import Annotated, Literal

@@ -19,7 +19,7 @@ from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
 from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.wall_grid import SCHEMES
+from seal_mdao.seals.wall_grid import WALL_SCHEMES
 
 TABLES = tuple(Written.model_fields)
 NEEDED = tuple(name for name, own in Written.model_fields.items() if own.is_required())
@@ -178,7 +178,7 @@ def _with_contact_points(profiles, section: SectionTable, written: Written) -> t
     if written.model.kinematics == AXISYMMETRIC and not written.fluid:
         chosen = "averages"
     elif isinstance(section.spacing, Rays) and held and not written.fluid:
-        chosen = SCHEMES[section.spacing.accuracy].contact_points
+        chosen = WALL_SCHEMES[section.spacing.accuracy].contact_points
     return tuple(
         replace(profile, contact_points="particles" if profile.turns else chosen)
         if profile.contact_points is None

@@ -21,9 +21,9 @@ from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.outline.sizes import unusual_size
-from seal_mdao.seals.wall_grid import SCHEMES
+from seal_mdao.seals.wall_grid import WALL_SCHEMES
 
-LEAST_LAYERS = {name: own.basis_order + 1 for name, own in SCHEMES.items()}
+LEAST_LAYERS = {name: own.basis_order + 1 for name, own in WALL_SCHEMES.items()}
 """Of particles across a wall, by the name of the accuracy."""
 MOST_LAYERS = 50
 """That a spacing may have across a wall."""

@@ -8,7 +8,7 @@ import scipy
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.contours import JOIN, SAGITTA, Boundary, Outline
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
-from seal_mdao.seals.wall_grid import SCHEMES, WallGrid
+from seal_mdao.seals.wall_grid import WALL_SCHEMES, WallGrid
 
 BACK = 1e-9
 """Largest decrease of the polar angle along a contour, radians."""
@@ -23,7 +23,7 @@ class Rays(WallGrid):
     centre : pair of float
         Common origin of the rays, mm.
     accuracy : str
-        Name of the wall's scheme (``wall_grid.SCHEMES``); contact points are chosen by the caller.
+        Name of the wall's scheme (``wall_grid.WALL_SCHEMES``); contact points are chosen by the caller.
     """
 
     centre: tuple = (0.0, 0.0)
@@ -32,7 +32,7 @@ class Rays(WallGrid):
     @property
     def kernels(self) -> Kernels:
         """Kernels of the door seal with this accuracy."""
-        own = SCHEMES[self.accuracy]
+        own = WALL_SCHEMES[self.accuracy]
         return Kernels(
             self.along_cells(own.support), own.basis_order, self.column(own.pressure),
             self.along_cells(own.n_gauss),

@@ -13,11 +13,11 @@ import numpy as np
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.seals.creases import CREASES
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.instabilities import instabilities
 from seal_mdao.seals.result import analyze
-from seal_mdao.seals.samples import Samples
 
 from .rungs import HERE
 
@@ -40,7 +40,7 @@ def moved(file: Path, spacing: float):
 
 def least_stretch(result) -> tuple[float, np.ndarray]:
     """Least stretch of a side of the cavity between two particles, and its undeformed middle, mm."""
-    samples = Samples(result.path)
+    samples = EvaluationPoints(result.path)
     chains = samples.chains
     inner = np.all(np.abs(samples.undeformed[chains[:, 2]] - [0.0, 4.5]) < [5.5, 2.6], axis=1)
     ends = chains[inner][:, [0, -1]]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from laws import LAWS, size
 
-from seal_mdao.materials import conditioned, hoop_stretch
-from seal_mdao.materials.conditioned import Conditions
+from seal_mdao.materials import hoop_stretch, stretch_and_growth
+from seal_mdao.materials.stretch_and_growth import Conditions
 
 STEP = 1e-30
 ROUNDING = 500 * 30 * np.finfo(float).eps
@@ -54,16 +54,16 @@ def test_energy_is_that_of_the_grown_section_by_its_stretched_length(law, state,
     across = h if len(state) == 2 else state[2]
     volume = state[1] * (h if len(state) == 2 else 1.0)
     grown = hoop_stretch.energy(law, state[0] / theta**2, volume / theta**3, across / theta)
-    found = conditioned.energy(law, state, Conditions(*given))
+    found = stretch_and_growth.energy(law, state, Conditions(*given))
     close(found, m * theta**3 / h * grown, law)
 
 
 def test_derivatives_are_those_of_the_energy(law, state, given):
     conditions = Conditions(*given)
-    rows = conditioned.derivatives(law, state, conditions)
-    exact = slopes(lambda own: conditioned.energy(law, own, conditions), state)
+    rows = stretch_and_growth.derivatives(law, state, conditions)
+    exact = slopes(lambda own: stretch_and_growth.energy(law, own, conditions), state)
     close(first(rows), exact, law)
-    second = slopes(lambda own: first(conditioned.derivatives(law, own, conditions)), state)
+    second = slopes(lambda own: first(stretch_and_growth.derivatives(law, own, conditions)), state)
     named = ("tt", "tj", "th"), ("tj", "jj", "jh"), ("th", "jh", "hh")
     place = {"tt": 2, "tj": 3, "jj": 4, "th": 6, "jh": 7, "hh": 8}
     for row, names in zip(second, named, strict=False):
@@ -72,12 +72,12 @@ def test_derivatives_are_those_of_the_energy(law, state, given):
 
 def test_rates_are_derivatives_in_the_conditions(law, state, given):
     conditions = Conditions(*given)
+    own = stretch_and_growth
     for found, function in (
-        (conditioned.rates, lambda own: first(conditioned.derivatives(law, state, Conditions(*own)))),
-        (conditioned.energy_rates, lambda own: conditioned.energy(law, state, Conditions(*own))),
-        (conditioned.von_mises_rates,
-         lambda own: conditioned.von_mises(law, state, Conditions(*own))[0]),
-    ):  # fmt: skip
+        (own.rates, lambda at: first(own.derivatives(law, state, Conditions(*at)))),
+        (own.energy_rates, lambda at: own.energy(law, state, Conditions(*at))),
+        (own.von_mises_rates, lambda at: own.von_mises(law, state, Conditions(*at))[0]),
+    ):
         exact = np.array(slopes(function, given))
         if len(state) == 3:
             # a body of revolution has no axial stretch
@@ -87,8 +87,8 @@ def test_rates_are_derivatives_in_the_conditions(law, state, given):
 
 def test_stress_of_grown_material_is_that_of_its_elastic_stretches(law, state, given):
     conditions = Conditions(*given)
-    value, *by_state = conditioned.von_mises(law, state, conditions)
-    exact = slopes(lambda own: conditioned.von_mises(law, own, conditions)[0], state)
+    value, *by_state = stretch_and_growth.von_mises(law, state, conditions)
+    exact = slopes(lambda own: stretch_and_growth.von_mises(law, own, conditions)[0], state)
     close(by_state, exact, law)
     h, theta, m = given
     theta = 1.0 if hoop_stretch.is_isochoric(law) else theta
@@ -101,11 +101,11 @@ def test_stress_of_grown_material_is_that_of_its_elastic_stretches(law, state, g
 def test_constants_scale_as_the_energy_does(law, state, given):
     """By the complex steps of the energy in a constant that the law has for itself."""
     conditions = Conditions(*given)
-    rows = conditioned.constant_derivatives(law, state, conditions)
+    rows = stretch_and_growth.constant_derivatives(law, state, conditions)
     for k, row in enumerate(rows):
 
         def slope(own, k=k):
-            return conditioned.constant_energies(law, own, conditions)[k]
+            return stretch_and_growth.constant_energies(law, own, conditions)[k]
 
         # d(dW/dc)/dT by central differences, of the fourth order in 1e-3 of the state
         step = 1e-3 * np.eye(len(state))
@@ -123,8 +123,8 @@ def test_constants_scale_as_the_energy_does(law, state, given):
 
 def test_without_growth_and_stretch_nothing_changes(law):
     plain, one = law.derivatives(*STATE), Conditions(1.0, 1.0, 1.0)
-    np.testing.assert_array_equal(conditioned.derivatives(law, STATE, one), plain)
-    np.testing.assert_array_equal(conditioned.derivatives(law, STATE, None), plain)
+    np.testing.assert_array_equal(stretch_and_growth.derivatives(law, STATE, one), plain)
+    np.testing.assert_array_equal(stretch_and_growth.derivatives(law, STATE, None), plain)
 
 
 def test_volumetric_energy_of_a_grown_section():
@@ -135,7 +135,7 @@ def test_volumetric_energy_of_a_grown_section():
         h, theta, _ = given
         return theta**3 * bulk / 2 * (h * jacobian / theta**3 - 1) ** 2 / h
 
-    own = conditioned.volumetric(Conditions(*CONDITIONS))
+    own = stretch_and_growth.volumetric(Conditions(*CONDITIONS))
     stiff, change = bulk * own.bulk, jacobian - 1.0 + own.offset
     assert stiff / 2 * change**2 == pytest.approx(energy(CONDITIONS), rel=1e-13)
     found = bulk * own.bulk_rates / 2 * change**2 + stiff * change * own.offset_rates

@@ -12,7 +12,7 @@ from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.terms.point_assembly import interpolate
 
 SHARES = (0.25, 0.5, 0.75)
-"""Where the sides of the boundary are looked at between their ends."""
+"""Fractions of the sides of the boundary at which they are evaluated between their ends."""
 
 
 KEEPS_VOLUME = 10.0
@@ -20,7 +20,7 @@ KEEPS_VOLUME = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class EvaluationPoints:
     """Points of a body at the end of a load path: its particles, and points between them.
 
     Attributes
