@@ -47,7 +47,9 @@ def test_another_checker_of_schemas_says_the_same():
 def test_every_key_has_its_meaning_and_its_form():
     """What an editor shows: text and, where it is no table, the form with its units."""
     spacing = SCHEMA["$defs"]["WrittenSection"]["properties"]["spacing"]
-    assert spacing["description"] == "largest distance of particles; walls get smaller ones"
+    assert spacing["description"] == (
+        "largest distance of neighbouring particles; it is smaller in thin walls"
+    )
     assert spacing["title"] == "a number above 0 (mm)"
     for own in SCHEMA["$defs"].values():
         assert all("description" in key for key in own["properties"].values())

@@ -39,7 +39,9 @@ class DesignTable(Table):
     """Design parameters: offsets of edges along their normals, a vertex, the radius of an arc."""
 
     bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
-    edges: Names | None = key("edges that move; not at an end where the next edge stays", None)
+    edges: Names | None = key(
+        "edges that move; an end at an edge that does not move stays fixed", None
+    )
     parameters: whole(1, MOST_PARAMETERS) | None = key(
         "with edges: number of parameters of each edge", None
     )
@@ -68,7 +70,7 @@ class DesignTable(Table):
         None,
     )
     mirror: Plane | None = key(
-        "plane to which the change is symmetric: mirror images move too, with the same parameters",
+        "plane of symmetry of the change: mirror images move too, with the same parameters",
         None,
     )
 

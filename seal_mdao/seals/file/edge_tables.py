@@ -56,21 +56,25 @@ class FixedTable(Table):
 class SymmetryTable(Table):
     """Edges in a plane of symmetry, beyond which the section continues as its mirror image."""
 
-    edges: Names = key("straight edges in the plane; in a design they stay in it")
-    normal: one_of("x", "y") = key("the axis across the plane")
+    edges: Names = key("straight edges in the plane of symmetry; they stay in it in every design")
+    normal: one_of("x", "y") = key("axis normal to the plane")
 
 
 @table
 class CavityTable(Table):
     """Hole with trapped air, which may escape through vents."""
 
-    hole: whole(1, 1000) = key("its number, from 1")
-    name: Name = key("put before the names of its parameters: air_pressure, air_gamma", "air")
+    hole: whole(1, 1000) = key("number of the hole, from 1")
+    name: Name = key(
+        "prefix of the names of its parameters, such as air_pressure and air_gamma", "air"
+    )
     pressure: number("kPa", above=0.0) = key(
         "absolute pressure outside, and inside at the start", ATMOSPHERE
     )
     gamma: number(above=0.0) = key(
-        "exponent: 1.4 for air that has no time to give off its heat, 1 for air that has", ADIABATIC
+        "polytropic exponent: 1.4 for fast compression without heat exchange, 1 for slow "
+        "compression at constant temperature",
+        ADIABATIC,
     )
     vent_diameter: number("mm", above=0.0) | None = key(
         "diameter of round vents; default: no vents", None
@@ -86,8 +90,8 @@ class CavityTable(Table):
         None,
     )
     discharge_coefficient: number(above=0.0, most=1.0) | None = key(
-        f"of the vents, {SHARP_EDGED:g} unless given: 0.6 for a sharp edge, 0.8 for a hole in a wall "
-        "of twice its diameter",
+        f"discharge coefficient of the vents, default {SHARP_EDGED:g}: 0.6 for a sharp edge, 0.8 for a "
+        "hole in a wall of twice its diameter",
         None,
     )
 
@@ -135,22 +139,26 @@ class FluidTable(Table):
     """Fluid at one end of an edge, which penetrates until contact with a profile stops it."""
 
     edges: Stretch = key(
-        "an edge, or a list of neighbours, from the wet side under all that seals to the dry side",
+        "an edge, or a list of adjacent edges, from the wet side through the contact to the dry"
+        " side",
         alias="edge",
     )
     end: one_of(*ENDS) = key(
-        "the end of it where the fluid is; the outside is walked counter-clockwise, holes clockwise",
+        "end of the edge at which the fluid is; the outer contour runs counter-clockwise, holes"
+        " clockwise",
         alias="from",
     )
-    pressure: number("kPa", above=0.0, most=MOST_PRESSURE) = key("over that on the dry side")
+    pressure: number("kPa", above=0.0, most=MOST_PRESSURE) = key(
+        "pressure of the fluid above that on the dry side"
+    )
     steps: whole(1, MOST_STEPS) | None = key(
-        "the last load steps of the path, over which it grows from 0 in equal parts; those of the last "
-        "stage unless given",
+        "number of load steps at the end of the path over which the pressure grows from 0 in "
+        "equal parts; default: those of the last stage",
         None,
     )
-    name: Name = key("put before the name of its parameter: fluid_pressure", "fluid")
+    name: Name = key("prefix of the name of its parameter, such as fluid_pressure", "fluid")
     share: number(above=0.0, most=1.0) = key(
-        "a point is dry where the seal presses with 1 + share times the pressure of the fluid",
+        "a point is dry if the contact pressure exceeds 1 + share times the pressure of the fluid",
         SHARE,
     )
 
@@ -181,7 +189,7 @@ class PairTable(Table):
     """Two edges that may touch each other, or one that may touch itself, with own friction."""
 
     edges: many(Text, 'one name of an edge, or two, such as ["left", "right"]', 1, 2) = key(
-        "both edges, or one for itself"
+        "two edges that may touch each other, or one that may touch itself"
     )
     friction: Friction = key("Coulomb coefficient, or another law")
 
@@ -195,13 +203,19 @@ class PairTable(Table):
 class SelfContactTable(Table):
     """Edges that may touch each other or themselves, neighbouring points excluded."""
 
-    edges: Names = key("edges; those that do not touch only cost time")
-    friction: Friction | None = key(
-        "Coulomb coefficient, or another law; without it only the pairs may touch", None
+    edges: Names = key(
+        "edges that may touch; those that do not touch only increase the computing time"
     )
-    normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
-    tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
-    pairs: rows(PairTable) = key("pairs of edges with a friction of their own", (), alias="pair")
+    friction: Friction | None = key(
+        "Coulomb coefficient, or another law; if not given, only the edges of pair may touch", None
+    )
+    normal_penalty: Penalty | None = key(
+        "normal penalty; it is chosen by tolerance if not given", None
+    )
+    tangent_penalty: Penalty | None = key(
+        "tangential penalty; it is chosen by tolerance if not given", None
+    )
+    pairs: rows(PairTable) = key("pairs of edges with their own friction", (), alias="pair")
 
     name = SELF_CONTACT
 
@@ -252,7 +266,7 @@ class SelfContactTable(Table):
         return found
 
 
-TERM_NAME = "put before the names of its parameters; its type unless given"
+TERM_NAME = "prefix of the names of its parameters; default: its type"
 
 
 @table(kw_only=True)
@@ -261,7 +275,7 @@ class TermTable(Table):
 
     type: Text = key("name of the term")
     name: Name | None = key(TERM_NAME, None)
-    edges: Names = key("edges on which it acts")
+    edges: Names = key("edges on which the term acts")
 
     @property
     def arguments(self) -> dict:

@@ -62,17 +62,16 @@ class ReactionTable(OfProfile):
     """Force of the seal on a profile, or on fixed or moved edges."""
 
     edges: Names | None = key(
-        "in place of a profile or [[moved]]: fixed or moved edges on which the force acts", None
+        "instead of a profile or [[moved]]: fixed or moved edges on which the force acts", None
     )
 
     component: one_of(*_AXES) | None = key(
-        "axis of the force; that along which the first travel goes, unless component or direction is "
-        "given",
+        "axis of the force; default without direction: the axis of the first translation",
         None,
     )
     direction: Direction | None = key(
-        "of the force, a vector of any length; or against the travel of the profile, positive if the "
-        "seal resists the motion",
+        'direction of the force, a vector of any length; or "travel": against the motion of the'
+        " profile, positive if the seal resists it",
         None,
     )
     travel: Travels | None = key(
@@ -80,10 +79,10 @@ class ReactionTable(OfProfile):
         "move, along the path of the first moving profile; default: the end",
         None,
     )
-    stage: Stages | None = key("in place of travel: at the ends of stages of the path", None)
-    time: Times | None = key("in place of travel: at times of a seal that relaxes", None)
+    stage: Stages | None = key("instead of travel: ends of stages", None)
+    time: Times | None = key("instead of travel: times of a seal that relaxes", None)
     length: number("mm", above=0.0) | None = key(
-        "length of the seal whose force it is, in N; N/m unless given", None
+        "length of the seal for a force in N; default: force per length in N/m", None
     )
 
     @staticmethod
@@ -188,10 +187,10 @@ class LoadDeflectionErrorTable(ReactionTable):
     value: Forces | None = key(
         "target force at every travel, stage or time, in the units of the force", None
     )
-    weight: Weights | None = key("weight of every one of them in the sum; 1 unless given", None)
+    weight: Weights | None = key("weight of each force in the sum; default: 1", None)
     data: Text | None = key(
-        "in place of travel and value: CSV file with the columns travel_mm and force, relative to this "
-        "file",
+        "instead of travel and value: CSV file with the columns travel_mm and force, relative "
+        "to this file",
         None,
     )
 

@@ -29,7 +29,8 @@ class FrictionTable(Table):
     """Friction by Coulomb's law."""
 
     law: one_of(COULOMB) = key(
-        "name of the law; a law of another name has its own constants instead of friction"
+        "name of the friction law; laws other than coulomb have their own constants instead of "
+        "friction"
     )
     friction: Coefficient = key("Coulomb coefficient")
 

@@ -23,16 +23,16 @@ class LeakRateTable(OfProfile):
     shortest_wavelength: Wavelength = key("shortest wavelength of the roughness")
     pressure: number("kPa", above=0.0, most=1e9) = key("pressure difference of the liquid")
     hurst_exponent: number(least=0.01, most=0.99) | None = key(
-        "Hurst exponent of the roughness; 0.8 unless given", None
+        "Hurst exponent of the roughness; default: 0.8", None
     )
     viscosity: number("mPa s", above=0.0, most=1e9) | None = key(
-        "of the liquid; 1 (water) unless given", None
+        "viscosity of the liquid; default: 1 (water)", None
     )
     modulus: number("kPa", above=0.0, most=1e9) | None = key(
-        "E / (1 - nu^2) of the rubber; 4 G of the material in contact unless given", None
+        "E / (1 - nu^2) of the rubber; default: 4 G of the material in contact", None
     )
     longest_wavelength: Wavelength | None = key(
-        "longest wavelength of the roughness; that of the roll-off unless given", None
+        "longest wavelength of the roughness; default: the roll-off wavelength", None
     )
 
     @model_validator(mode="after")

@@ -42,7 +42,8 @@ class StepsTable(Table):
     """Tolerance for the choice of load steps that the stages do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
-        "relative change that is allowed: of a measure, of the largest force on the profile",
+        "largest admissible relative change of a measure or of the force on a profile by a "
+        "further division of the load steps",
         STEP_TOLERANCE,
     )
 
@@ -52,7 +53,8 @@ class PenaltiesTable(Table):
     """Tolerance for the choice of penalties that the contacts do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
-        "relative error that is allowed: of a measure, of a force, of penetration and elastic slip",
+        "largest admissible relative error by the penalties of a measure, a force, penetration "
+        "and elastic slip",
         PENALTY_TOLERANCE,
     )
 

@@ -80,21 +80,24 @@ class MaterialTable(Table):
     density: number("kg/m3", above=0.0, most=1e5) | None = key(
         "mass per volume, which the measure `mass` needs", None
     )
-    expansion: number("1/K", least=0.0, most=0.01) = key("linear coefficient of expansion", 0.0)
+    expansion: number("1/K", least=0.0, most=0.01) = key(
+        "linear coefficient of thermal expansion", 0.0
+    )
     modulus_over_temperature: Factors | None = key(
-        "factor of all moduli but the bulk modulus, linear between the temperatures of a table; "
-        f'"{ENTROPIC}" is that of ideal rubber, absolute temperature over that of reference',
+        "factor of all moduli except the bulk modulus, interpolated linearly in temperature; "
+        f'"{ENTROPIC}": absolute temperature divided by the absolute reference temperature, as for '
+        "ideal rubber",
         None,
     )
     swelling: per_stage(number(above=0.0, most=10.0), "a number above 0 and at most 10") | None = (
-        key("volume in a liquid over dry volume; it grows from 1 in the first stage", None)
+        key("volume in a liquid divided by dry volume; it changes from 1 in the first stage", None)
     )
 
     viscoelastic: ViscoelasticTable | None = key(
         "relaxation over time, for stages with a duration", None
     )
     softening: SofteningTable | None = key(
-        "softening below the largest strain energy so far (Mullins effect)", None
+        "softening below the largest previous strain energy (Mullins effect)", None
     )
 
     @property
@@ -110,9 +113,10 @@ class MaterialTable(Table):
 class LawTable(MaterialTable):
     """Material given by the name of its law and its constants."""
 
-    law: one_of(*LAWS) = key("name of the law: one of these, or of an extension")
+    law: one_of(*LAWS) = key("name of the material law: one of these, or that of an extension")
     stable: Range = key(
-        "least and largest stretch between which more strain has to take more stress in every test",
+        "range of stretches in which the law must be stable: more strain requires more stress "
+        "in every test",
         STABLE,
     )
 
@@ -193,7 +197,7 @@ def _fit_table(name: str) -> type[Table]:
     keys = {"law": (one_of(name), key("name of the law"))}
     # tests of nearly incompressible rubber do not determine its bulk modulus
     if name != "hyperfoam":
-        text = "of the law, which tests of this kind do not tell"
+        text = "bulk modulus of the law, which such tests do not determine"
         keys["bulk_modulus"] = number("kPa", above=0.0), key(text, 80_000.0)
     if name in OF_TERMS:
         keys["terms"] = whole(1, MAX_TERMS), key("number of terms of the law", 1)
@@ -230,7 +234,7 @@ class ShoreTable(MaterialTable):
     shore_a: number("Shore A", least=LEAST_SHORE, most=MOST_SHORE) = key(
         "hardness, instead of a law; a parameter that may vary"
     )
-    bulk_modulus: number("kPa", above=0.0) = key("of dense rubber", BULK_MODULUS)
+    bulk_modulus: number("kPa", above=0.0) = key("bulk modulus of dense rubber", BULK_MODULUS)
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, as ``LawTable.made``."""

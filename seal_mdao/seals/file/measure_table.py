@@ -29,7 +29,7 @@ class MeasureTable(Table):
     """
 
     type: TypeName = key("type of the measure")
-    name: Name | None = key("name of the measure; its type unless given", None)
+    name: Name | None = key("name of the measure; default: its type", None)
 
     single = True
     """Whether it is a single number."""

@@ -70,12 +70,12 @@ class WallThicknessTable(MeasureTable):
     """Smooth lower bound of the smallest wall thickness of the undeformed section."""
 
     edges: Names | None = key(
-        "edges on one side of the wall; the walls between all holes and the outside unless given",
+        "edges on one side of the wall; default: the walls between all holes and the outer contour",
         None,
     )
     opposite: Names | None = key("edges on the other side", None)
     deficit: number(above=0.0, most=0.5) | None = key(
-        "largest relative amount by which the bound is below the thickness; 0.02 unless given", None
+        "largest relative amount by which the bound is below the thickness; default: 0.02", None
     )
 
     @model_validator(mode="after")
@@ -152,7 +152,7 @@ simple_kind(
 class PeakPressureTable(OfProfile):
     """Peak of the true contact pressure, as a mean of high order below it."""
 
-    order: Order | None = key("of the mean", None)
+    order: Order | None = key("order of the mean", None)
 
 
 simple_kind(
@@ -165,7 +165,7 @@ simple_kind(
 class ContactPressureTable(OfProfile):
     """True contact pressure of each patch, as a mean of high order."""
 
-    order: Order | None = key("of the mean", None)
+    order: Order | None = key("order of the mean", None)
     places: Patches | None = key("with a cloud: indices of contact points for every patch", None)
     single = False
 
@@ -194,7 +194,8 @@ class GapSquareSumTable(AtPlaces):
     """Sum of the squared gaps between the first and the last contact."""
 
     points: one_of("design", "nominal") | None = key(
-        "between whose contacts: those of every design, as unless given, or of the nominal seal",
+        "contacts between which gaps are measured: those of every design (default) or of the "
+        "nominal seal",
         None,
     )
 
@@ -209,7 +210,7 @@ simple_kind(
 class LargestGapTable(AtPlaces):
     """Smooth upper bound of the largest gap between the first and the last contact."""
 
-    order: Order | None = key("of the p-norm", None)
+    order: Order | None = key("order of the p-norm", None)
 
 
 @kind("profile_work", lambda profile, stage=None: ProfileWork(profile, stages=stage))
@@ -217,7 +218,8 @@ class ProfileWorkTable(OfProfile):
     """Work of a profile on the seal; for a closed cycle the hysteresis loss."""
 
     stage: StagePair | None = key(
-        "two stages between whose ends the work is done, such as [2, 4]; the complete path unless given",
+        "two stages between whose ends the work is computed, such as [2, 4]; default: the "
+        "complete path",
         None,
     )
 
@@ -241,7 +243,7 @@ simple_kind("strain_energy", StrainEnergy, MeasureTable, "Elastic energy of the 
 class StressNormTable(MeasureTable):
     """p-norm of the von Mises stress of the particles, an upper bound of the largest."""
 
-    order: Order | None = key("of the p-norm", None)
+    order: Order | None = key("order of the p-norm", None)
 
 
 @kind("von_mises", VonMises)
@@ -249,12 +251,12 @@ class VonMisesTable(MeasureTable):
     """Smooth upper bound of the von Mises stress over the section, or stress at particles."""
 
     excess: number(above=0.0, most=1.0) | None = key(
-        "largest relative amount by which the bound is above the largest stress; 0.05 unless given",
+        "largest relative amount by which the bound is above the largest stress; default: 0.05",
         None,
     )
     away_from_singular: number("mm", above=0.0) | None = key(
-        "leaves out what is nearer than this to the end of a fixed edge or to a sharp re-entrant "
-        "corner, where the exact stress is infinite",
+        "excludes points within this distance from the end of a fixed edge or a sharp "
+        "re-entrant corner, where the exact stress is infinite",
         None,
     )
     at: Sites | None = key("points: the stress of the nearest particles", None)

@@ -59,8 +59,8 @@ class ModelTable(Table):
     axial_stretch: (
         per_stage(number(least=0.5, most=2.0), "a number of at least 0.5 and at most 2") | None
     ) = key(
-        "length of the seal in use over the length in which it was made; it grows from 1 in the first "
-        "stage",
+        "length of the seal in use divided by its length as made; it changes from 1 in the "
+        "first stage",
         None,
     )
     temperature: (
@@ -69,9 +69,13 @@ class ModelTable(Table):
             "a number above -273.15 and at most 1000 (degC)",
         )
         | None
-    ) = key("of the seal; it changes from reference_temperature in the first stage", None)
+    ) = key(
+        "temperature of the seal; it changes from reference_temperature in the first stage", None
+    )
     reference_temperature: number("degC", above=ABSOLUTE_ZERO, most=HOTTEST) = key(
-        "at which the section has its shape and the materials have their constants", 23.0
+        "temperature for which the shape of the section and the constants of the materials are "
+        "given",
+        23.0,
     )
 
 

@@ -19,11 +19,11 @@ class MovedTable(Staged, Table):
 
     edges: Names = key("edges that are moved")
     name: Name | None = key(
-        "put before the names of its parameters: top_x; the name of its first edge unless given",
+        "prefix of the names of its parameters, such as top_x; default: the name of its first edge",
         None,
     )
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') = key(
-        "in which they are moved; in others they are free", ("x", "y")
+        "directions in which the edges are moved; in the others they are free", ("x", "y")
     )
     pivot: Place = key("centre of rotation", (0.0, 0.0))
     stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(

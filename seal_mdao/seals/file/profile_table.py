@@ -36,12 +36,14 @@ Angle = number("degrees", least=-MOST_TURN, most=MOST_TURN)
 class StageTable(Table):
     """Stage of a motion, relative to the end of the previous stage."""
 
-    translate: Place = key("travel of this stage", (0.0, 0.0))
-    rotate: Angle = key("turn about the pivot, counter-clockwise", 0.0)
-    steps: Steps | None = key("load steps; chosen where no stage has any", None)
+    translate: Place = key("translation in this stage", (0.0, 0.0))
+    rotate: Angle = key("rotation about the pivot, counter-clockwise", 0.0)
+    steps: Steps | None = key(
+        "load steps; they are chosen by tolerance if no stage gives them", None
+    )
     duration: number("s", above=0.0) | None = key(
-        "time of this stage, for materials that relax and cavities with vents; of vents the travel over "
-        "closing_speed unless given",
+        "duration of the stage, for materials that relax and cavities with vents; default with "
+        "vents: travel divided by closing_speed",
         None,
     )
 
@@ -96,33 +98,38 @@ def _extension(name: str, made: type) -> type[ShapeTable]:
 class ProfileTable(Staged, SegmentTable):
     """Rigid body, which lies on the left of its curve in the direction of the curve."""
 
-    name: Name = key("put before the names of its parameters: door_friction")
+    name: Name = key("prefix of the names of its parameters, such as door_friction")
     friction: FrictionByEdge = key(
-        "Coulomb coefficient, or another law; or those of every edge: { seal = 0.2, lip = 0.6 }"
+        "Coulomb coefficient, or another law; or one for every edge, such as { seal = 0.2, lip "
+        "= 0.6 }"
     )
     contact: Names | None = key(
-        "edges that may touch it, neighbours on the boundary; unless given, all free neighbours of the "
-        "free edge that is nearest at the start",
+        "adjacent edges that may touch the profile; default: the free edge nearest at the start"
+        " and all free edges adjacent to it",
         None,
     )
-    glued: Names | None = key("edges that are bonded to it and follow its motion", None)
-    segment: rows(PieceTable) | None = key("pieces of its curve, where it is a chain of them", None)
+    glued: Names | None = key("edges that are bonded to the profile and follow its motion", None)
+    segment: rows(PieceTable) | None = key("segments of the curve, if it has several", None)
     shape: Annotated[ShapeTable, Extensible("profiles", "type", _extension)] | None = key(
-        "in place of a curve: one of your own, with parameters: door_a", None
+        "instead of a curve: a shape of an extension, with parameters such as door_a", None
     )
-    start: Place = key("where its origin is at the start", (0.0, 0.0))
-    angle: Angle = key("how it is turned at the start about the pivot", 0.0)
+    start: Place = key("position of its origin at the start", (0.0, 0.0))
+    angle: Angle = key("rotation about the pivot at the start", 0.0)
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
-    normal_penalty: Penalty | None = key("normal penalty; chosen unless given", None)
-    tangent_penalty: Penalty | None = key("tangential penalty; chosen unless given", None)
+    normal_penalty: Penalty | None = key(
+        "normal penalty; it is chosen by tolerance if not given", None
+    )
+    tangent_penalty: Penalty | None = key(
+        "tangential penalty; it is chosen by tolerance if not given", None
+    )
     contact_points: one_of(*CONTACT_POINTS) | None = key(
-        "where the edges may be touched: at the particles, in the middle of every straight side "
-        "between two of them, or at the particles with the mean gap of the sides beside them; chosen "
-        "unless given",
+        "points at which contact is evaluated: the particles, the midpoints between "
+        "neighbouring particles, or the particles with the mean gap of the boundary beside "
+        "them; chosen if not given",
         None,
     )
     stages: rows(Annotated[StageTable, WrapValidator(made_stage)]) = key(
-        "stages of its motion; without stages the profile does not move", (), alias="stage"
+        "stages of the motion; without stages the profile does not move", (), alias="stage"
     )
 
     @model_validator(mode="after")

@@ -60,7 +60,7 @@ TABLES = {
     "vary": VaryTable, "boundary": BoundaryTable,
 }  # fmt: skip
 """Class of every table of keys, by its name."""
-HEADER = ("key", "value", "unless given", "meaning")
+HEADER = ("key", "value", "default", "meaning")
 
 
 def key_rows(kind: type[Table]) -> list[tuple]:

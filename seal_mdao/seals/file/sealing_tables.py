@@ -14,7 +14,9 @@ __all__ = ["KINDS", "LongestContactTable", "PressureCentreTable", "PressureInteg
 class LongestContactTable(OfProfile):
     """Deformed length of the longest connected part of a contact with a pressure above a limit."""
 
-    pressure: number("kPa", least=0.0, most=1e9) | None = key("limit; 0 unless given", None)
+    pressure: number("kPa", least=0.0, most=1e9) | None = key(
+        "lower limit of the contact pressure; default: 0", None
+    )
 
 
 @kind("pressure_integral", PressureIntegral)
@@ -22,15 +24,20 @@ class PressureIntegralTable(OfProfile):
     """Integral of (p / reference_pressure)^exponent along the deformed contact."""
 
     exponent: number(least=1.0, most=10.0) = key("power of the pressure")
-    reference_pressure: number("kPa", above=0.0, most=1e9) = key("pressure that counts as 1")
+    reference_pressure: number("kPa", above=0.0, most=1e9) = key(
+        "pressure by which the contact pressure is divided"
+    )
 
 
 @kind("pressure_centre", PressureCentre)
 class PressureCentreTable(OfProfile):
     """Mean coordinate of the deformed contact, weighted by a power of the contact pressure."""
 
-    axis: one_of(*AXES) | None = key("coordinate: x (of a ring the radius) unless given", None)
+    axis: one_of(*AXES) | None = key(
+        "axis of the coordinate; default: x (the radius of a ring)", None
+    )
     exponent: number(least=1.0, most=100.0) | None = key(
-        "power of the pressure: 1, the centre of pressure, unless given; 40: position of the peak",
+        "power of the pressure; default: 1, the centre of pressure; about 40 gives the position"
+        " of the peak",
         None,
     )

@@ -44,16 +44,20 @@ Layers = many(Text, 'a list of layers, such as ["split"]')
 class OuterTable(PieceTable):
     """Segment of the outer contour; the segments follow one another counter-clockwise and close."""
 
-    edge: Edge = key("name of the edge that it is part of")
-    body: whole(1, 1000) = key("number of its body, where there are several", 1)
+    edge: Edge = key("name of the edge to which the segment belongs")
+    body: whole(1, 1000) = key(
+        "number of the body to which the segment belongs, if there are several", 1
+    )
 
 
 @table(kw_only=True)
 class HoleTable(PieceTable):
     """Segment of the contour of a hole, in either direction."""
 
-    edge: Edge = key("name of the edge that it is part of")
-    hole: whole(1, 1000) = key("number of its hole, where there are several", 1)
+    edge: Edge = key("name of the edge to which the segment belongs")
+    hole: whole(1, 1000) = key(
+        "number of the hole to which the segment belongs, if there are several", 1
+    )
 
 
 @table
@@ -64,7 +68,7 @@ class RaysTable(Table):
     layers: whole(2, 1000) = key("particles across the wall; 4 is a suitable start")
     centre: Point = key("origin of the radial rows", (0.0, 0.0))
     accuracy: one_of(*LEAST_LAYERS) = key(
-        "kernels, basis, pressure and contact of that accuracy", Rays.accuracy
+        "setting that determines kernels, basis, pressure and contact", Rays.accuracy
     )
 
     @model_validator(mode="after")
@@ -85,12 +89,13 @@ class RegionTable(Table):
 
     material: Text = key("name of a material, neither that of [section] nor of another region")
     at: Point | None = key(
-        "any point of the part; optional if a drawing has the material name as a text in the part",
+        "any point in the part; optional if a drawing has the material name as a text in the part",
         None,
     )
     line: Points | None = key(
-        "the line that divides it from the rest, from one end of a segment of the boundary to another; "
-        "optional for a complete body, and if a drawing has parting lines",
+        "line that divides the part from the remaining section, from one end of a segment of "
+        "the boundary to another; optional for a complete body, and if a drawing has parting "
+        "lines",
         None,
     )
 
@@ -101,13 +106,14 @@ class WrittenSection(Table):
 
     material: Text | None = key("name of a material; optional if the file has only one", None)
     spacing: number("mm", above=0.0) | None = key(
-        "largest distance of particles; walls get smaller ones", None
+        "largest distance of neighbouring particles; it is smaller in thin walls", None
     )
     layers: whole(3, MOST_LAYERS) | None = key(
         f"with spacing: least number of particles across a wall, default {LAYERS}", None
     )
     edge_spacing: Distances | None = key(
-        "with spacing: smaller largest distances of the particles along named edges", None
+        "with spacing: largest distances of the particles along named edges, smaller than spacing",
+        None,
     )
     quadrature: whole(*QUADRATURE) | None = key(
         f"with spacing: Gauss points along each direction of a cell, default {Kernels.n_gauss}; "
@@ -116,15 +122,18 @@ class WrittenSection(Table):
     )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
     cloud: Text | None = key("instead of spacing: mesh file, relative to this file", None)
-    outer: rows(OuterTable) | None = key("segments of the outside", None)
-    hole: rows(HoleTable) | None = key("segments of holes", None)
+    outer: rows(OuterTable) | None = key("segments of the outer contour", None)
+    hole: rows(HoleTable) | None = key("segments of the contours of holes", None)
     dxf: Text | None = key("drawing, relative to this file, instead of outer and hole", None)
-    units: one_of(*MODEL_UNITS) | None = key("of a drawing whose header has none", None)
+    units: one_of(*MODEL_UNITS) | None = key(
+        "unit of length of a drawing whose header has none", None
+    )
     parting: Layers | None = key("layers of a drawing with the lines between regions", None)
     ignore: Layers | None = key(
-        "layers of a drawing that are not read; those with annotation alone need no mention", None
+        "layers of a drawing that are not read; layers with annotation only need not be listed",
+        None,
     )
-    region: rows(RegionTable) | None = key("parts of another material", None)
+    region: rows(RegionTable) | None = key("parts of the section with another material", None)
 
     @model_validator(mode="after")
     def _one_outline(self):

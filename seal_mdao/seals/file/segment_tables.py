@@ -14,17 +14,17 @@ from seal_mdao.seals.outline.contours import Arc, Circle, Line, Spline
 class ArcTable(Table):
     """Arc through three points."""
 
-    start: Point = key("its first point")
-    through: Point = key("a point between")
-    end: Point = key("its last point")
+    start: Point = key("first point of the arc")
+    through: Point = key("point between the first and the last point")
+    end: Point = key("last point of the arc")
 
 
 @table
 class CircleTable(Table):
     """Circle, a complete contour."""
 
-    centre: Point = key("its centre")
-    radius: number("mm", above=0.0) = key("its radius")
+    centre: Point = key("centre of the circle")
+    radius: number("mm", above=0.0) = key("radius of the circle")
 
 
 @table
@@ -34,7 +34,7 @@ class SegmentTable(Table):
     line: Points | None = key("a line, or a polyline", None)
     arc: ArcTable | None = key("an arc", None)
     spline: Points | None = key(
-        "a cubic spline, smooth at the joint too where the last point is the first one", None
+        "a cubic spline; it is also smooth at the joint if the last point is the first one", None
     )
     circle: CircleTable | None = key("a circle, which is a complete contour", None)
 

@@ -22,10 +22,10 @@ class SofteningTable(Table):
 
     r: number(above=1.0, most=MOST) = key("limit of the softening: eta is at least 1 - 1/r")
     m: number("kPa", least=0.0, most=MOST) = key(
-        "energy per volume below the largest one, within which the rubber softens"
+        "scale of the energy per volume below the largest one over which the rubber softens"
     )
     beta: number(least=0.0, most=MOST) = key(
-        "fraction of the largest energy that adds to m; m and beta are not both 0", 0.0
+        "fraction of the largest energy that is added to m; m and beta must not both be 0", 0.0
     )
 
     @model_validator(mode="after")

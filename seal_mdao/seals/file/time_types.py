@@ -44,7 +44,7 @@ class TimeToForceFractionTable(ReactionTable):
     """Time from the end of a stage until the force has fallen to a fraction of its value there."""
 
     fraction: number(above=0.0, most=0.99) = key("fraction of the force at the end of the stage")
-    stage: whole(1, 1000) = key("at whose end the time begins; a dwell follows", 1)
+    stage: whole(1, 1000) = key("stage at whose end the time begins; a dwell must follow", 1)
 
     single = True
     count = 1
@@ -68,7 +68,7 @@ class CompressionSetTable(MeasureTable):
 
     at: Point = key("a point of the surface that is compressed; the nearest particle is taken")
     component: one_of("x", "y") = key("axis of the compression", "y")
-    stage: whole(1, 1000) = key("at whose end the seal is closed", 1)
+    stage: whole(1, 1000) = key("stage at whose end the seal is closed", 1)
 
     def measure(self, particles):
         point = nearest(self.at, particles)

@@ -19,11 +19,13 @@ class VaryTable(Table):
 
     distribution: one_of(*DISTRIBUTIONS) = key("distribution of the parameter")
     kind: one_of(*KINDS) | None = key(
-        "effect on the parameters: value, shift or factor; value unless given, and the numbers must "
-        "then include the present value",
+        "whether the number is the value of the parameters, a shift or a factor; default: "
+        "value, and the range must then include the present value",
         None,
     )
-    parameters: Names = key("that vary together; that of the name of the table unless given", ())
+    parameters: Names = key(
+        "parameters that vary together; default: the parameter with the name of the table", ()
+    )
 
     @property
     def law(self):
@@ -42,8 +44,8 @@ class VaryTable(Table):
 class BoundaryTable(Table):
     """Random error of an extruded boundary."""
 
-    std: number("mm", above=0.0) = key("root mean square of its error")
-    length: number("mm", above=0.0) = key("of correlation along the boundary")
+    std: number("mm", above=0.0) = key("root mean square of the error")
+    length: number("mm", above=0.0) = key("correlation length along the boundary")
 
 
 def _vary_table(name: str) -> type[Table]:
@@ -65,8 +67,8 @@ AnyVary = chosen_by("distribution", VARY_TABLES)
 class ToleranceTable(Table):
     """Tolerances: parameters that vary between seals, and errors of the boundary."""
 
-    vary: dict[str, AnyVary] = key("parameters that scatter, one table each", {})
-    boundary: BoundaryTable | None = key("error of the edges that may move", None)
+    vary: dict[str, AnyVary] = key("parameters that vary, one table each", {})
+    boundary: BoundaryTable | None = key("random error of the edges that may move", None)
 
     @field_validator("vary", mode="before")
     @classmethod

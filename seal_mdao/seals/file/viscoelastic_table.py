@@ -34,9 +34,9 @@ class WlfTable(Table):
 
     c1: number(least=0.0, most=1e3) = key("c1 of log10 a_T = -c1 (T - T_r) / (c2 + T - T_r)")
     c2: number("K", above=0.0, most=1e4) = key(
-        "c2 of this law; T_r - c2 is the temperature at which it ends"
+        "c2 of this law, which holds above the temperature T_r - c2"
     )
-    reference: Reference = key("T_r, at which tau are known")
+    reference: Reference = key("T_r, the temperature for which tau is given")
 
 
 @table(kw_only=True)
@@ -46,7 +46,7 @@ class ArrheniusTable(Table):
     activation_energy: number("kJ/mol", least=0.0, most=1e3) = key(
         "E of ln a_T = (E / R) (1 / T - 1 / T_r)"
     )
-    reference: Reference = key("T_r, at which tau are known")
+    reference: Reference = key("T_r, the temperature for which tau is given")
 
 
 @table(kw_only=True)
@@ -54,20 +54,21 @@ class ViscoelasticTable(Table):
     """Relaxation: finite linear viscoelasticity with a Prony series, as in Abaqus."""
 
     g: many(number(least=0.0, most=1.0), "a list of numbers of at least 0") = key(
-        "parts of the modulus of short times that relax; their sum is below 1"
+        "relaxing fractions of the instantaneous modulus; their sum is below 1"
     )
     tau: many(number(above=0.0, most=LONGEST), "a list of numbers above 0 (s)") = key(
-        "relaxation time of each part, s"
+        "relaxation time of each fraction"
     )
     moduli: one_of(LONG, SHORT) = key(
-        f'whether the constants of the law are those of long times, or those of short ones ("{SHORT}")',
+        f'whether the constants of the law are those after complete relaxation ("{LONG}") or before '
+        f'any ("{SHORT}")',
         LONG,
     )
     wlf: WlfTable | None = key(
-        "relaxation times over the temperature, near the glass transition", None
+        "change of the relaxation times with temperature, near the glass transition", None
     )
     arrhenius: ArrheniusTable | None = key(
-        "relaxation times over the temperature, far above it", None
+        "change of the relaxation times with temperature, far above the glass transition", None
     )
 
     @model_validator(mode="after")
