@@ -114,6 +114,7 @@ def refine(
         )  # fmt: skip
     file = _with_tolerances(file, tolerance)
     for _ in range(ROUNDS):
+        # factors are used again by the estimate
         result = analyze(build_seal(file), keep_factors=True)
         cloud = Cloud(file, result, estimate_errors(file, result, callback))
         if report is not None:
@@ -121,6 +122,7 @@ def refine(
         name, error = cloud.worst(names)
         if error <= tolerance:
             return cloud
+        # error = C h^2: h times sqrt(tolerance / error), with a margin
         file = with_factor(file, max(SMALLEST, MARGIN * math.sqrt(tolerance / error)))
     raise ValueError(
         f"{name} still errs by {100.0 * error:.2g} % with a spacing of "

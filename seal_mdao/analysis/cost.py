@@ -77,6 +77,7 @@ def duration(seconds: float) -> str:
         return f"{seconds:.0f} s" if seconds >= 10.0 else f"{seconds:.2g} s"
     fitting = [(unit, seconds / size) for unit, size in UNITS if seconds >= 2.0 * size]
     for unit, value in fitting[:2]:
+        # a number of two digits within ROUND
         short = float(f"{value:.2g}")
         if math.isclose(short, value, rel_tol=ROUND):
             return f"{short:g} {unit}"

@@ -25,6 +25,7 @@ def unloadings(stretch) -> int:
     for before, top, end in zip(turns, turns[1:], turns[2:], strict=False):
         # readings on the way back, up to the undeformed state
         back = np.count_nonzero(log[top + 1 : end + 1] * np.sign(log[top]) >= 0.0)
+        # ln lambda falls in size
         toward = log[top] * (log[end] - log[top]) < 0.0
         count += bool(toward and top - before >= STEPS and back >= STEPS)
     return count
@@ -109,6 +110,7 @@ class SoftenedLaw:
 def _ratios(mode: Mode, stretch) -> tuple[np.ndarray, np.ndarray]:
     """Compute T and J of plane strain with the same ratios of stretches, at J = 1 in space."""
     stretch = np.asarray(stretch, float)
+    # T = (l1^2 + l2^2) / l3^2, J = l1 l2 / l3^2 for F / l3, whose third stretch is 1
     first, second, third = mode.stretches(stretch, stretch**mode.incompressible_rate)
     return (first**2 + second**2) / third**2, first * second / third**2
 

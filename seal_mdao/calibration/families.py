@@ -92,6 +92,7 @@ def _gent(tests, terms, nu, bulk):
     ]
 
     def draw(rng):
+        # limit from 1.01 to 100 times the least one, log-uniform
         return unknowns, {"limit": least * 10.0 ** rng.uniform(0.005, 2.0)}
 
     return Family("gent", Gent(1.0, 2.0 * least, bulk), draw, False)
@@ -130,6 +131,7 @@ def _hyperfoam(tests, terms, nu, bulk):
 
     def draw(rng):
         _, exponents, values = _exponents(rng, terms)
+        # mu_i > 0 and beta_i >= 0: a convex energy
         unknowns = [*(Unknown(f"mu_{i}", *POSITIVE) for i in numbers), *exponents]
         if nu is None:
             unknowns += [Unknown(f"nu_{i}", *POISSON, modulus=False) for i in numbers]
@@ -202,6 +204,7 @@ def largest_distortion(tests: MaterialTests) -> float:
 
 def distortion(mode: Mode, stretch: np.ndarray) -> np.ndarray:
     """Compute I1 - 3 of stretches in one mode at J = 1."""
+    # lambda, its lateral stretches at J = 1
     state = mode.stretches(stretch, stretch**mode.incompressible_rate)
     # I1 - 3 = sum lambda_i^2 - 3
     return np.sum(state**2, axis=0) - 3.0

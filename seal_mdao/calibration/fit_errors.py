@@ -54,6 +54,7 @@ def errors_of(law: Isotropic | SoftenedLaw, tests: MaterialTests) -> dict[str, F
         name: (data.stretch, data.stress, _computed(law, name, data), relative_to(data.stress))
         for name, data in tests.modes.items()
     }
+    # readings of all modes in one column
     columns["all"] = tuple(map(np.concatenate, zip(*columns.values(), strict=True)))
     return {name: _errors(*own) for name, own in columns.items()}
 

@@ -52,6 +52,7 @@ def log_weights(time: np.ndarray) -> np.ndarray:
     So a decade of time has the same weight whether a logger took ten readings in it or a thousand.
     """
     log = np.log(time)
+    # from middle to middle of the neighbours in ln t
     middle = np.concatenate([log[:1], 0.5 * (log[1:] + log[:-1]), log[-1:]])
     return np.minimum(np.diff(middle), WIDEST)
 
@@ -95,6 +96,7 @@ class PronyModel:
         size = dict.fromkeys(self.tests.scales, 0.0)
         for scale, own in zip(self.tests.scales, curves, strict=True):
             size[scale] = max(size[scale], own.force.max())
+        # forces over the largest one of their test
         force = [c.force / size[k] for k, c in zip(self.tests.scales, curves, strict=True)]
         weight = np.concatenate([log_weights(own.time) for own in curves])
         put = object.__setattr__
@@ -139,6 +141,7 @@ class PronyModel:
                 values[i], slopes[i] = made.log_factor(own.temperature)
             elif self.shift == "free" and own.temperature != self.reference:
                 k = self.shifted.index(own.temperature)
+                # ln a is the unknown itself
                 values[i], slopes[i, k] = shift[k], 1.0
         return values, slopes
 
@@ -166,6 +169,7 @@ class PronyModel:
             columns.append(size[:, None] * by_theta)
         # every theta changes with a: df/ds = q m sum e_i (d psi_i/d ln theta_i) d ln a/ds
         columns.append((size * by_theta.sum(1))[:, None] * slope_a[self.curve])
+        # df/dq of the reading's own test: m (e_0 + sum e_i psi_i)
         own = scale[self.curve][:, None] == np.arange(1, ratios.size + 1)
         columns.append((m[self.curve] * relaxed)[:, None] * own)
         return size * relaxed, np.concatenate(columns, axis=1)
@@ -173,5 +177,6 @@ class PronyModel:
     def residuals(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate sqrt(w) (f - data) and its derivatives."""
         values, slopes = self.evaluate(x)
+        # r = sqrt(w) (f - y)
         root = np.sqrt(self.weight)
         return root * (values - self.force), root[:, None] * slopes

@@ -106,6 +106,7 @@ def fit_shift(kind: type[Shift], reference: float, temperatures, logs, weights) 
     def both(x):
         made = kind(tuple(x), reference)
         values, slopes = zip(*map(made.log_factor, temperatures), strict=True)
+        # L^T (ln a(T_i) - logs_i) and its derivatives
         return root @ (np.array(values) - logs), root @ np.array(slopes)
 
     # the universal constants of Williams, Landel and Ferry, or 100 kJ/mol

@@ -28,6 +28,7 @@ def time_range(model: PronyModel, log_a: np.ndarray) -> tuple[float, float]:
     """
     # the term of a hundredth of the ramp has relaxed to a hundredth by its end
     held = np.maximum(model.time - model.tests.ramp, FASTEST * model.time)
+    # ln(t/a) = ln t - ln a
     low, high = np.log(held) - log_a[model.curve], np.log(model.time) - log_a[model.curve]
     return float(low.min()), float(high.max())
 
@@ -53,6 +54,7 @@ def parts(model: PronyModel, log_tau, log_a, size, use=None) -> np.ndarray:
     chosen = np.ones(model.time.size, bool) if use is None else use[model.curve]
     curve, root = model.curve[chosen], np.sqrt(model.weight[chosen])
     psi = _decays(model, log_tau, model.time[chosen], log_a[curve])
+    # A = sqrt(w) q m (1, psi_1, ..., psi_n),  y = sqrt(w) f
     matrix = (root * size[curve])[:, None] * psi
     # |A e - y|^2 = |R e - Q^T y|^2 + const with A = Q R
     q, r = np.linalg.qr(matrix)
@@ -81,6 +83,7 @@ def starting_times(model: PronyModel, log_a, size, before=None) -> list[np.ndarr
     if found is not None:
         starts.append(np.clip(found, low - BEYOND, high))
     if before is not None and before.size == n - 1:
+        # one more term in the middle of the largest gap of ln tau
         edges = np.concatenate([[low], np.sort(before), [high]])
         gap = int(np.argmax(np.diff(edges)))
         starts.append(np.sort(np.append(before, 0.5 * (edges[gap] + edges[gap + 1]))))
@@ -95,6 +98,7 @@ def clusters(grid: np.ndarray, amounts: np.ndarray, count: int) -> np.ndarray | 
         return None
     while centres.size > count:
         i = int(np.argmin(np.diff(centres)))
+        # the two nearest: x = (m_i x_i + m_j x_j) / (m_i + m_j)
         total = amounts[i] + amounts[i + 1]
         centres[i] = (centres[i] * amounts[i] + centres[i + 1] * amounts[i + 1]) / total
         amounts[i] = total
@@ -125,6 +129,7 @@ def starting_shifts(model: PronyModel) -> tuple[np.ndarray, np.ndarray]:
     known |= set(scale[use])
     for side in (1.0, -1.0):
         last = 0.0
+        # hotter temperatures in their order, then colder ones
         away = side * (np.array(model.shifted) - model.reference)
         for temperature in np.array(model.shifted)[np.argsort(away)][np.sort(away) > 0.0]:
             own = degrees == temperature
@@ -140,18 +145,21 @@ def _best_shift(model, own, use, log_a, q, known, side, last) -> float:
     log = np.log(model.time) - log_a[model.curve]
     low, high = log[placed].min(), log[placed].max()
     grid = dense_grid(low, high)
+    # spectrum of the curves placed so far
     e = parts(model, grid, log_a, q[scale] * m, use)
     mine = np.flatnonzero(own[model.curve])
     t, curve = np.log(model.time[mine]), model.curve[mine]
     length, step, best = t.max() - t.min(), np.log(10.0) / STEPS, (np.inf, last, {})
     for k in range(int((high - low + length) / step) + 1):
         shift = last - side * k * step
+        # readings over the master curve, ln t - ln a between its ends
         inside = (t - shift >= low) & (t - shift <= high)
         if inside.sum() < 2 or np.ptp(t[inside]) < OVERLAP * length:
             continue
         some = mine[inside]
         there = np.full(some.size, shift)
         curve_of, w = curve[inside], model.weight[some]
+        # f of the spectrum at the shifted readings
         f = m[curve_of] * (_decays(model, grid, model.time[some], there) @ e)
         y, cost, new = model.force[some], 0.0, {}
         for number in np.unique(scale[curve_of]):
@@ -160,6 +168,7 @@ def _best_shift(model, own, use, log_a, q, known, side, last) -> float:
             if number not in known:
                 # min over q of sum w (q f - y)^2
                 ratio = new[number] = (w * f * y)[rows].sum() / (w * f * f)[rows].sum()
+            # mean square of f - y / q
             cost += (w * (ratio * f - y) ** 2)[rows].sum() / ratio**2
         best = min(best, (cost / w.sum(), shift, new), key=lambda found: found[0])
     for number, ratio in best[2].items():

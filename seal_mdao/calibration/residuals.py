@@ -46,6 +46,7 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
 
     def differences(law, names):
         values, slopes = [], []
+        # rows of the unknowns among the constants of the law
         rows = [law.names.index(name) for name in names]
         for name, data in tests.modes.items():
             found = response_to(law, MODES[name], data)
@@ -70,6 +71,7 @@ def stress_scales(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]
 
 
 def _lateral_scale(strain, weighting):
+    # s of lateral strains: as of the stress, at least LATERAL_FLOOR
     largest = max(np.abs(strain).max(), LATERAL_FLOOR)
     return np.maximum(_scale(strain, largest, weighting), LATERAL_FLOOR)
 

@@ -69,6 +69,7 @@ def fit_softening(
         law, first_loading(tests), weighting=weighting, margin=margin, seed=seed,
         allow_unstable=True, progress=progress, **options,
     )  # fmt: skip
+    # constants of the law; r > 1, m >= 0, and beta >= 0 with several amplitudes
     unknowns = _unknowns(family(law, tests, **options), first, seed)
     softening = [Unknown(R, 1.0, MOST_R, False), Unknown(M, 0.0, np.inf)]
     if _amplitudes(tests) > SAME_AMPLITUDE:
@@ -101,6 +102,7 @@ def first_loading(tests: MaterialTests) -> MaterialTests:
     of the others."""
     modes = {}
     for name, data in tests.modes.items():
+        # I1 - 3; first loading: at its maximum so far
         own = distortion(MODES[name], data.stretch)
         top = own >= np.maximum.accumulate(own) if data.unloadings else np.full(own.shape, True)
         modes[name] = ModeData(data.stretch[top], data.stress[top])
@@ -113,6 +115,7 @@ def _amplitudes(tests) -> float:
     for name, data in tests.modes.items():
         if data.unloadings:
             own = distortion(MODES[name], data.stretch)
+            # maxima so far at the readings below them
             largest = np.maximum.accumulate(own)
             tops.append(largest[own < largest])
     tops = np.concatenate(tops)
@@ -123,6 +126,7 @@ def _unknowns(kind, first: Fit, seed: int) -> list[Unknown]:
     """Build the unknowns of the law with the signs that the constants of the first loading have."""
     found = []
     for own in kind.draw(np.random.default_rng(seed))[0]:
+        # bounds of the other sign where the first fit has that
         inside = own.lower <= first.law.constants[own.name] <= own.upper
         found.append(own if inside else replace(own, lower=-own.upper, upper=-own.lower))
     return found
@@ -136,6 +140,7 @@ def _ends(first: Fit, tests, unknowns, differences) -> list[End]:
     values, started = first.law.constants, []
     for r, m, beta in product(START_R, START_M, START_BETA if BETA in names else (0.0,)):
         law = SoftenedLaw(first.law, OgdenRoxburgh(r, m * largest, beta))
+        # cost |r|^2 of the start
         away = differences(law, names)[0]
         started.append((float(away @ away), law))
     ends = []
@@ -173,6 +178,7 @@ def _require_determined(end: End, deviations: dict, correlation, tests) -> None:
     index = [i for i, name in enumerate(end.unknowns) if name in rates]
     error = np.array([rates[end.unknowns[i]] * deviations[end.unknowns[i]] for i in index])
     width = own.m + own.beta * largest
+    # sigma_s^2 = sum_ij (ds/dc_i) sigma_i rho_ij sigma_j (ds/dc_j)
     spread = np.sqrt(max(error @ correlation[np.ix_(index, index)] @ error, 0.0))
     if not np.isfinite(error).all() or spread > width:
         raise MaterialDataError(

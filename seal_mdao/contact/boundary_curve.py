@@ -182,14 +182,17 @@ def kinematics(x, nodes, segments, s) -> Kinematics:
     ``nodes[:, 1:]`` (m, 7)."""
     weights = [np.column_stack([np.full(len(s), 1.0 if i == 0 else 0.0), -cubics(s, i)])
                for i in range(4)]  # fmt: skip
+    # r = x - x_c, and t, x_c,ss, x_c,sss of the curve, whose weights have a minus
     r, *along = (np.einsum("ma,mai->mi", w, x[nodes]) for w in weights)
     t, bend, twist = (-part for part in along)
     size = np.hypot(*t.T)
     e_t = t / size[:, None]
     e_n = np.column_stack([e_t[:, 1], -e_t[:, 0]])
+    # g = r . e_n, alpha = e_n . x_c,ss, beta = e_t . x_c,ss, gamma = e_n . x_c,sss   (17), (22)
     gap, alpha, beta, gamma = (
         (a * b).sum(axis=1) for a, b in ((r, e_n), (e_n, bend), (e_t, bend), (e_n, twist))
     )
+    # c = |t|^2 - g alpha   Eq. (22)
     c = size**2 - gap * alpha
 
     def spread(order, direction):
@@ -201,20 +204,29 @@ def kinematics(x, nodes, segments, s) -> Kinematics:
     def outer(a, b):
         return a[:, :, None] * b[:, None, :]
 
+    # w.e_t, w.e_n and -V_c,s.e_t, -V_c,s.e_n, -V_c,ss.e_n with w = V - V_c, by every position
     on_t, on_n, on_t1, on_n1, on_n2 = (
         spread(0, e_t), spread(0, e_n), spread(1, e_t), spread(1, e_n), spread(2, e_n)
     )  # fmt: skip
+    # dxi = (|t|/c) e_t.w + (g/c) e_n.V_c,s   Eq. (52)
     xi_1 = times(size / c, on_t) - times(gap / c, on_n1)
+    # turn = (alpha/c) e_t.w + (|t|/c) e_n.V_c,s   Eq. (53)
     turn = times(alpha / c, on_t) - times(size / c, on_n1)
+    # d|t| = beta dxi + e_t.V_c,s
     size_1 = times(beta, xi_1) - on_t1
+    # d alpha = gamma dxi - beta turn + e_n.V_c,ss
     alpha_1 = times(gamma, xi_1) - times(beta, turn) - on_n2
+    # dc = 2 |t| d|t| - alpha dg - g d alpha,  dg = e_n.w   Eq. (55)
     c_1 = times(2.0 * size, size_1) - times(alpha, on_n) - times(gap, alpha_1)
+    # d(|t|/c) and d(g/c)
     size_over_c = times(1.0 / c, size_1) - times(size / c**2, c_1)
     gap_over_c = times(1.0 / c, on_n) - times(gap / c**2, c_1)
     part = size[:, None, None] / c[:, None, None], gap[:, None, None] / c[:, None, None]
+    # d^2 xi: the product rule on dxi, with de_t = turn e_n, de_n = -turn e_t, dw = -V_c,s dxi
     xi_2 = (
         outer(on_t, size_over_c) + part[0] * (outer(on_n, turn) + outer(on_t1, xi_1))
         - outer(on_n1, gap_over_c) - part[1] * (outer(on_n2, xi_1) - outer(on_t1, turn))
     )  # fmt: skip
+    # d^2 g = d(e_n.w) = -e_n.V_c,s dxi - turn e_t.w
     gap_2 = outer(on_n1, xi_1) - outer(on_t, turn)
     return Kinematics(gap, segments + s, size, on_n, xi_1, size_1, gap_2, xi_2)

@@ -84,6 +84,7 @@ class FrictionByGroup:
         for i, law in enumerate(self.laws):
             points, end = self.groups == i, first + len(self._constants(i))
             if isinstance(law, FrictionLaw):
+                # limit, d/dp, then the derivatives by the constants of this group
                 found = law.at(pressure[points])
                 out[points, :, :2], out[points, :, first:end] = found[..., :2], found[..., 2:]
             else:

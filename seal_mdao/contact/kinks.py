@@ -55,6 +55,7 @@ def rounding_of(size: float) -> float:
 def _limit_by_gap(limits, law, i, slip):
     """|d limit / d g_n|: mu w_n, or w_n |d limit / dp| of another law."""
     if limits is None:
+        # d(mu w_n |g_n|)/d|g_n|
         return law.friction * law.normal_penalty
     return abs(limits[i, 1 if math.copysign(1.0, slip) > 0.0 else 0, 1]) * law.normal_penalty
 

@@ -40,6 +40,7 @@ class LinearContact(NamedTuple):
         """Compute (dg/du, dxi/du) (u - u') at displacements ``d`` (n, 2), shape (m, 2)."""
         term, last = self.term, self.linearization
         raw = term.discretization.transformation.coefficients(d)
+        # u - u' of the seven positions of every point
         moved = (term.deformed(raw) - last.x)[last.nodes].reshape(len(self), -1)
         return np.einsum("mka,ma->mk", self._directions(), moved)
 
@@ -54,6 +55,7 @@ class LinearContact(NamedTuple):
         """
         term, last = self.term, self.linearization
         gap = last.kinematics.gap + motion[:, 0]
+        # g = g' + dg,  xi - xi0 = (xi - xi0)' + dxi
         before = self.before._replace(change=self.before.change + motion[:, 1])
         law, length = term.law_at(gap, last.points, last.nodes), term.length[last.points]
         found = touch(law, last.kinematics._replace(gap=gap), before)
@@ -67,6 +69,7 @@ class LinearContact(NamedTuple):
         nodes, found = self.linearization.nodes[point], []
         for direction in self._directions()[point]:
             force, loaded = np.zeros((len(self.term.where), 2)), np.zeros(len(self.term.where), int)
+            # dg/du of N = 1, dxi/du of T = 1, at the seven positions
             np.add.at(force, nodes, direction.reshape(NODES, 2))
             loaded[nodes] = 1
             found.append(self.term.point_loads(force, loaded))

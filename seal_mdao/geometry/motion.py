@@ -153,6 +153,7 @@ class Motion:
         ValueError
             For names that repeat.
         """
+        # dw/dp of every waypoint: (1, 0, 0), (0, 1, 0), (0, 0, pi/180)
         units = {x: (1.0, 0.0, 0.0), y: (0.0, 1.0, 0.0), angle: (0.0, 0.0, np.pi / 180.0)}
         units.pop("", None)
         every = [np.tile(unit, (1, len(self.angles), 1)) for unit in units.values()]
@@ -249,6 +250,7 @@ class Motion:
         """Compute x, y and angle after ``fraction`` nominal steps, shape (3,)."""
         first = self._step(fraction)
         within = fraction - first
+        # w = w_k + (s - k) (w_(k+1) - w_k) in nominal step k
         return self._nominal[first] + within * (self._nominal[first + 1] - self._nominal[first])
 
     def pose(self, fraction: float) -> Pose:
@@ -294,6 +296,7 @@ class Motion:
         Both at the start and after every nominal step, shape (n_steps + 1,). At a speed v a load step
         takes the change of the first over v plus the change of the second.
         """
+        # lengths of the stages without a duration, durations of the others
         given = ~np.isnan(self.durations)
         travel = np.where(given, 0.0, self._lengths)
         return self._accumulated(travel), self._accumulated(np.where(given, self.durations, 0.0))
@@ -332,6 +335,7 @@ class Motion:
         before, length = ends[stage] - lengths[stage], lengths[stage]
         if length == 0.0:  # nothing has moved yet
             return 0.0, np.zeros(len(self.names))
+        # phi = (travel - sum_(k < s) L_k) / L_s
         phi = min(1.0, (travel - before) / length)
         # L_k = |chord_k|,  u_k = chord_k / L_k,  L_k' = u_k . chord_k'
         chords, rates = np.diff(self.positions, axis=0), np.diff(self.rates[:, :, :2], axis=1)

@@ -160,6 +160,7 @@ def _profile(pieces, *shapes, period=0.0, period_rate=()) -> RigidProfile:
     kind, origin, angle, radius, length = (np.array(column) for column in zip(*pieces, strict=True))
     rates = []
     for shape in shapes:
+        # starts of the pieces and their rates: sums of the lengths before
         *columns, d_length = (np.array(column, float) for column in zip(*shape, strict=True))
         rates.append((*columns, _starts(d_length)))
     return rigid_profile(
@@ -243,6 +244,7 @@ def polyline_profile(vertices: np.ndarray, rates: np.ndarray | None = None) -> R
 def circle_profile(centre, radius: float) -> RigidProfile:
     """Build a rigid cylinder, counter-clockwise from its lowest point, with the radius as parameter."""
     return _profile(
+        # L = 2 pi R,  d/dR: radius 1, length and period 2 pi
         [(ARC, tuple(centre), -0.5 * np.pi, radius, 2 * np.pi * radius)],
         [((0.0, 0.0), 0.0, 1.0, 2 * np.pi)],
         period=2 * np.pi * radius,

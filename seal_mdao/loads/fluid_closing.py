@@ -54,6 +54,7 @@ class Closing:
         # friction does not press
         self.law = contact.law._replace(friction=0.0)
         self.curve = self.profile.curve
+        # particles of the edge that the profile can touch
         self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
         self.pose, self.motion_rates = cache(contact.motion.pose), cache(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
@@ -86,6 +87,7 @@ class Closing:
             np.zeros((k, 2)), open_before, points, local,
         )  # fmt: skip
         out = ClosingRates(np.zeros((k, 2)), np.zeros((k, self.n_names)))
+        # dc = -w_n dg_n - g_n dw_n
         by_gap = -self.law.normal_penalty * local[:, GAP]
         by_gap[:, NORMAL_PENALTY] = -gap[gap < 0.0]
         out.by_index[points] = by_gap[:, :2]

@@ -231,13 +231,17 @@ class FluidPressureTerm(CoupledTerm):
         )  # fmt: skip
         by_closing, by_pressure = accumulated(*self._slopes(response, pressure))
         rates, every = self._closing_rates(x, fraction), np.arange(k)[:, None]
+        # dc_j of its own place and of the parameters
         of_closing = np.zeros((k, at_reference.stop))
         of_closing[every, at_x.start + 2 * POINTS * every + np.arange(2)] = rates.by_index
         of_closing[:, at_parameters] = rates.by_parameter
+        # dw_i = sum_j (dw_i/dc_j) dc_j + (dw_i/dp) dp
         of_weight = by_closing @ of_closing
         of_weight[:, at_parameters.start] += ramp * by_pressure
+        # d(p w_i) = p dw_i + w_i dp
         grown = pressure * of_weight
         grown[:, at_parameters.start] += ramp * weight
+        # dR = -sum_i f_i d(p w_i) - sum_i p w_i df_i
         force = np.tensordot(-self._sides.forces(x), grown, (0, 0)).reshape(-1, grown.shape[1])
         pairs, turn = self._sides.tangents(x, -pressure * weight)
         rows = 2 * pairs[:, 0, None, None] + np.arange(2)[:, None]
@@ -256,6 +260,7 @@ class FluidPressureTerm(CoupledTerm):
 
     def changes(self, step, response, target):
         """Compute the change of the residual with the pressure of the next step, profiles at rest."""
+        # p(s) and its change to the next step
         pressure = self.pressure_at(step.fraction)
         change = self.pressure_at(target) - pressure
         if change == 0.0:

@@ -39,6 +39,7 @@ class MovedEdges:
 
     def _not_begun(self, fraction: float) -> float:
         """Return the fraction of the first nominal step that is still to come."""
+        # 1 - s in the first nominal step, s from 0 to 1
         return max(0.0, 1.0 - fraction)
 
     def _since_start(self, fraction: float) -> np.ndarray:
@@ -65,6 +66,7 @@ class MovedEdges:
         """Differentiate the displacements by the parameters of the motion, shape (k, 2, m)."""
         angle = self._since_start(fraction)[2]
         first = self._not_begun(fraction) * self.motion.rates[:, 0]
+        # (z - z_0, angle)' without what the first step has yet to reach
         by_pose = self.motion.rates_at(fraction) - first
         # du/dz = 1,  du/dangle = S R (X - z_0 - c)
         turning = quarter_turn(self._arms(places, angle)[1])

@@ -126,6 +126,7 @@ class TrappedAirTerm(CoupledTerm):
         self.outside, self.gamma = definition.pressure, definition.gamma
         self.environment = definition.environment
         self.axisymmetric = discretization.body.axisymmetric
+        # V0 and g0; the sense of the ring is the sign of V0
         volume, by_index = enclosed_volume(self.reference, self.axisymmetric)
         self.orientation = 1.0 if volume > 0.0 else -1.0
         self.nominal_volume = self.orientation * volume
@@ -150,11 +151,13 @@ class TrappedAirTerm(CoupledTerm):
         hot, longer, rates = 0.0, 0.0, {}
         around = self.environment
         if around is not None and around.temperature is not None:
+            # ln(T / T_0), d ln a = dT / T
             own, start = around.temperature, around.temperature.start - ABSOLUTE_ZERO
             absolute = float(own.at([fraction])[0]) - ABSOLUTE_ZERO
             hot, rates[TEMPERATURE] = np.log(absolute / start), own.rates([fraction])[0] / absolute
         if around is not None and around.axial_stretch is not None:
             h = float(around.axial_stretch.at([fraction])[0])
+            # a has h^-gamma: d ln a = -gamma dh / h
             longer = np.log(h)
             rates[AXIAL_STRETCH] = -self.gamma / h * around.axial_stretch.rates([fraction])[0]
         return hot, longer, rates
@@ -211,6 +214,7 @@ class TrappedAirTerm(CoupledTerm):
         shrunk = np.log(self.nominal_volume / volume) - longer
         # the two outputs by what they depend on; the force turns with the places beside
         by_inputs = np.zeros((2, at_reference.stop))
+        # dp = -gamma (p_a + p) (dV / V - dV0 / V0)
         by_inputs[0, at_x] = -self.gamma * absolute / volume * by_index.ravel()
         by_inputs[0, at_reference] = (
             self.gamma * absolute / self.nominal_volume * self.by_reference.ravel()
@@ -224,6 +228,7 @@ class TrappedAirTerm(CoupledTerm):
         by_inputs[0, at_parameters] = [by_names[name] for name in self.names]
         by_inputs[1, at_x] = by_index.ravel()
         left = np.zeros((2 * k + 2, 2))
+        # dR = -g dp - p d^2 V: the first as a product of low rank
         left[: 2 * k, 0], left[2 * k :] = -by_index.ravel(), np.eye(2)
         shape = (2 * k + 2, at_reference.stop)
         return LocalMap(self._scattered(self._turned(response.x, pressure), shape), left, by_inputs)

@@ -111,6 +111,7 @@ class MooneyRivlin(Isotropic):
     def constant_derivatives(self, t, j):
         """Evaluate d(W_T, W_J) / d(c10, c01, bulk_modulus), shape (3, 2, ...)."""
         t, j, out = _loop_arrays(t, j, 3, 2)
+        # W_dev is linear in C10 and C01: the derivatives are those of its two parts
         _fill_unit_gradients(t.ravel(), j.ravel(), out.reshape(3, 2, -1))
         out[2] = 0.0
         return out

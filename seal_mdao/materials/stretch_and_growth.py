@@ -81,6 +81,7 @@ def derivatives(material, state, conditions: Conditions | None) -> np.ndarray:
     own = _seen(material, state, conditions)
     rows, theta, length = hoop_stretch.derivatives(material, *own.law), own.growth, own.length
     on_t, on_j, on_h = _scales(own, conditions.factor)
+    # second derivatives: once more 1 / theta^2 by T, l / theta^3 by J, 1 / theta by h
     scales = (
         on_t, on_j, on_t / theta**2, on_j / theta**2, on_j * length / theta**3, on_h,
         on_h / theta**2, on_h * length / theta**3, on_h / theta,
@@ -138,6 +139,7 @@ def constant_derivatives(material, state, conditions: Conditions | None) -> np.n
     own = _seen(material, state, conditions)
     rows = hoop_stretch.constant_derivatives(material, *own.law)
     scales = _scales(own, conditions.factor)[: 3 if own.around else 2]
+    # the same factors, for no constant is in the state
     return np.stack([scale * rows[:, row] for row, scale in enumerate(scales)], axis=1)
 
 
@@ -172,8 +174,10 @@ def energy_rates(material, state, conditions: Conditions) -> np.ndarray:
     gradient, scale = (rows[0], rows[1], rows[5]), _energy_scale(own, conditions)
     out = np.zeros((COUNT, *rows.shape[1:]))
     if not own.around:
+        # W = m theta^3 / h G: W_h = m theta^3 / h (dG/dh - G / h)
         along = gradient[1] * own.j / own.length + gradient[2] / own.growth
         out[0] = scale * (along - value / own.length)
+    # W_theta = m theta^3 / l (3 G / theta + dG/dtheta),  W_m = W / m
     out[1] = scale * (3.0 * value / own.growth + _by_growth(own, gradient))
     out[2] = scale * value / conditions.factor
     return _without_growth(material, out)
@@ -185,6 +189,7 @@ def von_mises(material, state, conditions: Conditions | None) -> np.ndarray:
     if conditions is None:
         return hoop_stretch.von_mises(material, *state)
     own = _seen(material, state, conditions)
+    # sigma = m sigma_G(T / theta^2, h J / theta^3, h / theta): the scales cancel
     value, by_t, by_j, by_h = conditions.factor * hoop_stretch.von_mises(material, *own.law)
     by_t, by_j = by_t / own.growth**2, by_j * own.length / own.growth**3
     return np.array([value, by_t, by_j, *([by_h / own.growth] if own.around else [])])
@@ -233,6 +238,7 @@ def volumetric(conditions: Conditions) -> Volumetric:
     """Compute the effect of the conditions on the volumetric energy of a nearly incompressible
     law."""
     h, theta, zero = conditions.stretch, conditions.growth, 0.0 * conditions.factor
+    # theta^3 / h K/2 (h J / theta^3 - 1)^2 = (h / theta^3) K/2 (J - theta^3 / h)^2
     bulk = h / theta**3
     return Volumetric(
         bulk, 1.0 - theta**3 / h,

@@ -88,6 +88,7 @@ class StretchPowers(Isotropic):
             return super()._stepped(name)
         other, (field, number) = copy(self), name.rsplit("_", 1)
         entries = list(getattr(self, field))
+        # complex step in one entry of the tuple
         entries[int(number) - 1] += 1j * STEP
         object.__setattr__(other, field, tuple(entries))
         return other
@@ -107,6 +108,7 @@ class StretchPowers(Isotropic):
     def derivatives(self, t, j):
         """Evaluate W_T, W_J, W_TT, W_TJ, W_JJ, shape (5, ...)."""
         v, log_j = _variables(t, j)
+        # sum mu k (E_T, E_J, E_TT, E_TJ, E_JJ)
         return sum(m.mu * m.scale * _term_derivatives(m, v, log_j, j) for m in self.terms)
 
     @np.errstate(**NO_VALUE)
@@ -164,6 +166,7 @@ def _term_rates(m, v, log_j, j):
     # d/dalpha of J^q C, J^q C' and J^-r;  a = alpha / 2, hence 1/2 dC/da
     power, slope = swell * (grow * C + 0.5 * C_a), swell * (grow * C1 + 0.5 * C1_a)
     balance_rate = -m.r_rate * log_j * balance
+    # J E_T and J E_J, then their derivatives; J and c do not depend on alpha
     first = [swell * C1, 2.0 * q * (swell * C - balance) - 2.0 * swell * c * C1]
     rate = [
         slope,

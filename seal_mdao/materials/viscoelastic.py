@@ -103,6 +103,7 @@ class Arrhenius(_Shift):
 
     def log_factor(self, temperature: np.ndarray) -> tuple[np.ndarray, dict]:
         """Evaluate ln a_T and its derivatives, by the constant and ``temperature`` (degrees Celsius)."""
+        # ln a = (E / R) (1 / T - 1 / T_r), d ln a/dT = -(E / R) / T^2, E in kJ/mol
         absolute = np.asarray(temperature, float) - ABSOLUTE_ZERO
         difference = 1.0 / absolute - 1.0 / (self.reference - ABSOLUTE_ZERO)
         scale = 1e3 / GAS_CONSTANT
@@ -207,6 +208,7 @@ class PronySeries:
         if self.shift is None:
             return duration, {}
         log, rates = self.shift.log_factor(temperature)
+        # xi = dt / a_T,  d ln xi = -d ln a
         return duration * np.exp(-log), {name: -rate for name, rate in rates.items()}
 
     def step(self, duration: np.ndarray, temperature: np.ndarray) -> StepCoefficients:
@@ -220,6 +222,7 @@ class PronySeries:
             In the middle of every step, degrees Celsius.
         """
         (xi, _), (long, beta) = self._reduced(duration, temperature), self._long()
+        # exp(-xi / (2 tau_i)): b_i = beta_i times it, a_i is its square, k = e + sum b_i
         half = np.exp(-0.5 * xi / np.array(self.tau)[:, None])
         take = beta[:, None] * half
         return StepCoefficients(long + take.sum(axis=0), half * half, take)
@@ -230,6 +233,7 @@ class PronySeries:
         tau, (_, beta), none = np.array(self.tau)[:, None], self._long(), np.zeros_like(own.keep)
         # of keep and take in xi: -keep / tau, -take / (2 tau)
         keep, take = -own.keep / tau, -0.5 * own.take / tau
+        # dxi/d(dt) = 1 / a_T, xi dlnxi of temperature and constants of the shift
         ratio = np.divide(xi, duration, out=np.ones_like(xi), where=np.asarray(duration) > 0.0)
         if self.shift is not None:
             ratio = np.exp(-self.shift.log_factor(temperature)[0])
@@ -245,9 +249,11 @@ class PronySeries:
             of_keep[i], of_take[i] = -xi / self.tau[i] * keep[i], -xi / self.tau[i] * take[i]
             out[f"tau_{i + 1}"] = StepCoefficients(of_take.sum(axis=0), of_keep, of_take)
             # of g_i: those of e and beta
+            # constants of short times: e' = -1, beta_i' = 1
             long_rate, beta_rate = -1.0, np.zeros_like(beta)
             beta_rate[i] = 1.0
             if not self.instantaneous:
+                # of long times: e = 1, beta_j' = (delta_ij + beta_j) / (1 - sum g)
                 left = 1.0 - sum(self.g)
                 long_rate, beta_rate = 0.0, (beta_rate + beta) / left
             of_take = beta_rate[:, None] * half

@@ -148,6 +148,7 @@ class _Leak:
             return np.inf
         pressure, length = self.points.value[on], self._slits()[on]
         modulus = self._moduli()[on]
+        # u(p / E) and u', um
         height, slope = own.roughness.constriction(pressure / modulus)
         lowest = height.min()
         if lowest == 0.0:
@@ -201,6 +202,7 @@ class _Leak:
         if where.radial is not None:
             # ds/dl = 2 l / a,  ds/da = -s / a
             length, area = where.lengths(deformed), where.measures(deformed)
+            # s/a = l^2/a^2
             on_area = -on_length * (length / area) ** 2
             where.add_measure_seeds(deformed, on_area[:, None], on_deformed[:, :, None])
             on_length = on_length * 2.0 * length / area

@@ -154,6 +154,7 @@ class Reaction(Measure):
             body = result.term("structure").definition
             times = stage_times(body, self.name)
             found = [times.fraction_at(min(time, times.total)) for time in self.times]
+            # travel at the fraction: linear between nominal steps
             steps = np.arange(len(motion.travels))
             return [
                 PathPoint(
@@ -225,6 +226,7 @@ class Reaction(Measure):
         if self._touches(result):
             partials.force(self.profile, step)[rows] += directions[:, None]
         if supports.any():
+            # e . F of supports: sum of e_i R_i over the prescribed components
             weights = np.where(supports, directions[:, None], 0.0)
             add_support_partials(partials, step, rows, weights)
 
@@ -267,6 +269,7 @@ class Reaction(Measure):
             # weights 1 - w of F_k and w of F_(k+1)
             step = steps[number - 1]
             total = self.force_at(result, step)
+            # F += weight F_k,  dF/d(fraction) += sign F_k
             force, change = force + weight * total, change + sign * total
             if weight != 0.0:
                 self.add_partials(result, partials, step, rows, weight * directions)

@@ -32,11 +32,13 @@ def singular_points(body, particles: np.ndarray) -> list[SingularPoint]:
         # turn of the boundary, negative towards the body, which lies on the left
         turn = np.arctan2(one[0] * other[1] - one[1] * other[0], one @ other)
         kind = ""
+        # the fixed edge ends here
         if fixed[point] and not (fixed[last] and fixed[after]):
             kind = FIXED_END
         elif turn < -REENTRANT and not fixed[point]:
             kind = "a re-entrant corner"
         if kind:
+            # spacing of the particles there
             size = max(np.linalg.norm(one), np.linalg.norm(other))
             found.append(SingularPoint(particles[point], float(size), kind))
     return found

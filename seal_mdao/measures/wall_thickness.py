@@ -123,6 +123,7 @@ class WallThickness(Measure):
         points, sides = (np.concatenate(own) for own in zip(*pairs, strict=True))
         x, a, b = particles[points], particles[sides[:, 0]], particles[sides[:, 1]]
         along, across = from_sides(x, a, b)
+        # d_i = |x - c|
         size = np.hypot(*across.T)
         if not size.all():
             raise ValueError(
@@ -138,6 +139,7 @@ class WallThickness(Measure):
             return [[np.concatenate([body.edge(n).sides for n in names]) for names in named]]
         # closed boundaries are joined by sides, bodies by cells
         every = np.concatenate([edge.sides for edge in body.edges.values()])
+        # number of the boundary of every side, number of the body of every particle
         loop = _joined(every, body.n_particles)[every[:, 0]]
         around = np.stack([body.cells, np.roll(body.cells, 1, axis=1)], axis=-1).reshape(-1, 2)
         of_body = _joined(around, body.n_particles)

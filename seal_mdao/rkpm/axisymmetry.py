@@ -35,6 +35,7 @@ def edge_circumferences(ends: np.ndarray, radial: np.ndarray, vectors: np.ndarra
         Weights of their radii in R.
     vectors : ndarray, shape (..., n, 2)
     """
+    # c = 2 pi sum_a radial_a R_a
     return CIRCUMFERENCE * (radial * vectors[..., ends, 0]).sum(axis=-1)
 
 
@@ -49,6 +50,7 @@ def add_circumference_seeds(ends, radial, seeds, x_bar) -> None:
 def add_radius_seeds(points, particles, radius_bar, x_bar) -> None:
     """Add seeds (n_points, M) on the radii of a ``PointSet`` to ``x_bar`` (n, 2, M)."""
     point_bar = np.zeros((len(radius_bar), 2, radius_bar.shape[1]))
+    # R is the first coordinate of a point
     point_bar[:, 0] = radius_bar
     points.add_seeds(particles, point_bar, x_bar)
 
@@ -106,6 +108,7 @@ def hoop_rates(start, group_size, table_rates, hoop, radius, radius_rate, out):
                 for p in range(count):
                     to = 3 * at + (2 * n + i) * count + p
                     if radius[point] > 0.0:
+                        # (Phi_I' - (Phi_I / R) R') / R
                         moved = hoop[row + i] * radius_rate[point, which[p]]
                         rate = table_rates.phi[at + i * count + p] - moved
                         out[to] = rate / radius[point]

@@ -91,6 +91,7 @@ class PointTable:
         if self.transform is not None:
             transform = self.transform
             matrix_bar = np.zeros((*transform.transformation.matrix.shape, x_bar.shape[2]))
+            # Phi_bar = Phi~_bar T^T, T_bar = Phi^T Phi~_bar, of values and of gradients
             phi_bar = transform.pull_back(every, raw.phi, 1, phi_bar, matrix_bar)
             grad_bar = transform.pull_back(every, raw.grad, grad_rows(raw), grad_bar, matrix_bar)
         point_bar = np.zeros((*self.coordinates.shape, x_bar.shape[2]))
@@ -98,6 +99,7 @@ class PointTable:
             rows = slice(*(raw.start[[first, last]] * raw.group_size))
             slopes = slice(grad_rows(raw) * rows.start, grad_rows(raw) * rows.stop)
             self.add_raw_seeds((first, last), phi_bar[rows], grad_bar[slopes], x_bar, point_bar)
+        # X_k_bar += w_k x_bar of the points, which move with their anchors
         self.points.add_seeds(self.cloud.particles, point_bar, x_bar)
         return matrix_bar
 
@@ -151,6 +153,7 @@ class PointTable:
             raw.start, groups, raw.group_size, grad_bar, raw.grad, self.coordinates[:, 0], on_slopes,
             on_phi, radius_bar,
         )  # fmt: skip
+        # seeds on Phi of the hoop rows Phi / R and of the values
         return on_phi + phi_bar if self.points.valued else on_phi, on_slopes
 
     def _linearized(self, groups):
@@ -164,6 +167,7 @@ class PointTable:
     def _active(self, velocity, transform):
         """Find the parameters that move a neighbour or an anchor of each group, as (start, active)."""
         raw, points = self.raw, self.points
+        # particle i moves with parameter p: V_p(X_i) != 0
         moves = np.any(velocity != 0.0, axis=2).T.astype(np.int32)  # particle, parameter
         # incidence (group, neighbour) and (group, anchor), times (particle, parameter)
         sees = csr_array(

@@ -68,6 +68,7 @@ class TouchedGroup(NamedTuple):
         ``of_fixed`` (rows, u, ...), to ``out`` (rows, n_new, ...), in the order of the neighbours."""
         begin = 0
         for end, term in zip(self.fixed, of_fixed, strict=True):
+            # free columns up to the next constrained one, then Phi_C T_Cu in its place
             out[:, self.new[begin:end]] += raw[:, begin:end]
             out[:, self.union] += term
             begin = end + 1
@@ -93,6 +94,7 @@ class TableTransform:
     def __init__(self, raw: ShapeTable, transformation: EssentialTransformation):
         self.raw, self.transformation, self.table = raw, transformation, raw
         group = np.repeat(np.arange(raw.n_groups), np.diff(raw.start))
+        # groups with a neighbour in C
         hit = np.isin(raw.neighbours, transformation.constrained)
         self.touched = np.bincount(group[hit], minlength=raw.n_groups) > 0
         if self.touched.any():
@@ -110,6 +112,7 @@ class TableTransform:
         for g in np.flatnonzero(self.touched):
             near = raw.neighbours[raw.start[g] : raw.start[g + 1]]
             new = np.union1d(near, t.union)
+            # which neighbours are in C, their rows of T, indices of both lists in the new one
             fixed = np.flatnonzero(np.isin(near, t.constrained))
             rows = np.searchsorted(t.constrained, near[fixed])
             at = np.searchsorted(new, near), np.searchsorted(new, t.union)

@@ -165,9 +165,11 @@ def linearize_column(states, column, step_of, law):
             volume_strain = states.deformation.volume_strain[k, column]
             w_j = w[1, k, column, q] + law.bulk[s] * at_point(functions, q, volume_strain)
             w_tt, w_tj, w_jj = w[2, k, column, q], w[3, k, column, q], w[4, k, column, q]
+            # P of the energy with the pressure, A = dP/dF at fixed pressure
             stress = piola_stress(f, w_t, w_j)
             point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, moduli)
             if states.carried.size:
+                # of a body that relaxes P += F H,  A += d(F H)/dF
                 own = states.carried[k, column, q]
                 more = carried_stress(f, own)
                 stress = (
@@ -175,6 +177,7 @@ def linearize_column(states, column, step_of, law):
                     stress[3] + more[3],
                 )  # fmt: skip
                 add_carried_moduli(own, moduli)
+            # w h cof F: cof F = (F_22, -F_21, -F_12, F_11)
             weight = weights[q] * hoop_stretch(f)
             for r in range(4):
                 values[at.stress + r, s], values[at.gradient + r, s] = stress[r], f[r]
@@ -193,9 +196,11 @@ def linearize_column(states, column, step_of, law):
                     values[at.stress + 4, s] += f[5] * states.carried[k, column, q, 3]
                 values[at.cofactor + 4, s] = weights[q] * plane_jacobian(f)
                 values[at.gradient + 4, s] = 0.0
+            # w A
             for r in range(strains):
                 for c in range(strains):
                     values[at.moduli + strains * r + c, s] = weights[q] * moduli[r, c]
+            # J - 1 + c
             values[at.change, s] = f[4] + states.deformation.offset[k, column]
 
 
@@ -223,6 +228,7 @@ def product(law, weights, strain, weight_rate, p, out):
     at = law_rows(5 if rows == 3 else 4)
     for q in range(weights.size):
         on_cof, change = law.on_cofactor[q], law.values[q, at.change]
+        # w cof F : e
         contract(law.values[q], at.cofactor, at.strains, strain, rows * q, p, on_cof)
         for h in range(len(law.mean)):
             if law.mean[h, q] != 0.0:

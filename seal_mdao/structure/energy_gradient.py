@@ -80,10 +80,12 @@ def energy_gradient(term, step) -> EnergyGradient:
     on_weights = term.density(deformation) + pressure * change
     on_weights -= 0.5 * bulk[:, None] * squares
     grad = np.empty(table.grad.size)
+    # dE/dB = w P d, point by point
     w = term.energy_derivatives(deformation)[:, 0]
     _fill_gradient(table, weights, deformation.f[0], w, pressure, d, grad)
     on_weights = on_weights.reshape(term.cells.weights.shape)
     constants = term.energy_by_constants(deformation)
+    # dE/dd is the internal force
     return EnergyGradient(term.forces(d, step.fraction, None), grad, on_weights, constants)
 
 

@@ -134,6 +134,7 @@ class Growth:
             return np.ones(len(temperature)), np.zeros(len(temperature))
         at, factors = np.asarray(self.factors, float).T
         piece = np.clip(np.searchsorted(at, temperature, "right") - 1, 0, len(at) - 2)
+        # m = m_k + (m_(k+1) - m_k) (T - T_k) / (T_(k+1) - T_k), continued beyond both ends
         slope = (factors[piece + 1] - factors[piece]) / (at[piece + 1] - at[piece])
         return factors[piece] + slope * (temperature - at[piece]), slope
 
@@ -162,6 +163,7 @@ def region_conditions(environment: Environment, growth: Growth, prefix: str, fra
     zeros, rates = np.zeros(count), {}
     h = np.ones(count)
     if environment.axial_stretch is not None:
+        # of h alone: dh
         h = environment.axial_stretch.at(fractions)
         rates[AXIAL_STRETCH] = environment.axial_stretch.rates(fractions), zeros, zeros
     # theta = (1 + alpha (T - T_0)) S^(1/3)
@@ -173,6 +175,7 @@ def region_conditions(environment: Environment, growth: Growth, prefix: str, fra
         hot = temperature.at(fractions)
         heating, (factor, slope) = hot - temperature.start, growth.factor(hot)
         r = temperature.rates(fractions)
+        # d theta = alpha S^(1/3) dT, dm = m' dT;  d theta/d alpha = (T - T_0) S^(1/3)
         rates[TEMPERATURE] = zeros, growth.expansion * swollen * r, slope * r
         rates[prefix + EXPANSION] = zeros, heating * swollen, zeros
     theta = (1.0 + growth.expansion * heating) * swollen

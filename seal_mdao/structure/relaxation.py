@@ -177,6 +177,7 @@ class Relaxation:
             own = self.of_region(region, before, fraction)
             if own is not None:
                 count = len(own.keep)
+                # k, a_i and b_i of the region; a_i = b_i = 0 beyond its terms
                 factor[region.at] = own.factor[0]
                 keep[:count, region.at] = own.keep[..., None]
                 take[:count, region.at] = own.take[..., None]
@@ -214,6 +215,7 @@ class Relaxation:
 
     def respond(self, term, w, fraction, history):
         own = self.coefficients(history.fraction, fraction)
+        # W_T, W_J and, in a body of revolution, W_h: the stress S+ of the step
         slopes = w[[0, 1, W_H] if len(w) > W_H else [0, 1]]
         response = RelaxingResponse(fraction, history, own, term.deformation.f[0], slopes)
         # within a step: k W + H : C / 2
@@ -237,6 +239,7 @@ class Relaxation:
         stretch = [f11 * f11 + f21 * f21, f12 * f12 + f22 * f22, 2.0 * (f11 * f12 + f21 * f22)]
         if components(f) == 4:
             stretch.append(f[..., 5] ** 2)
+        # k W + H : C / 2, the potential of the step
         stored = (carried(response.before, own) * np.stack(stretch, axis=-1)).sum(axis=-1)
         return own.factor * density + 0.5 * stored
 
@@ -257,6 +260,7 @@ def _spread(coefficient: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 def carried(history: RelaxationHistory, own: CellCoefficients) -> np.ndarray:
     """Compute H = sum_i (a_i Q_i - b_i S), or its rates from those of the history."""
+    # sum_i a_i Q_i - (sum_i b_i) S
     keep, total = _spread(own.keep, history.viscous), _spread(own.take.sum(axis=0), history.stress)
     return (keep * history.viscous).sum(axis=0) - total * history.stress
 

@@ -66,6 +66,7 @@ class SofteningResponse:
     @cached_property
     def history(self) -> np.ndarray:
         """W_max that is passed to the next step."""
+        # max(W_max, W)
         return np.where(self.below, self.before, self.energy)
 
 
@@ -96,6 +97,7 @@ class Softening:
         _refuse(definition)
         self.definition, self.cells = definition, cells
         shape = self.cells.weights.shape
+        # r infinite: eta = 1
         found = PointConstants(np.full(shape, np.inf), np.ones(shape), np.zeros(shape))
         for region in definition.regions:
             if region.softening is not None:
@@ -116,6 +118,7 @@ class Softening:
 
     def respond(self, term, w, fraction, history):
         moduli = self._moduli(term, fraction)
+        # U = mu W: the law softens with W, without the factor of the temperature
         energy = term.density(term.deformation) / moduli
         response = SofteningResponse(fraction, history, energy, moduli)
         return response, self._step_derivatives(w[:, None], [response])[:, 0], _NOTHING
@@ -136,6 +139,7 @@ class Softening:
         """Differentiate mu phi at K steps from the derivatives ``w`` of U, (5 or 9, K, n_columns, q)."""
         laws = [self.law(response) for response in responses]
         factor = np.array([law.factor for law in laws])
+        # (d eta/dW) / mu
         slope = np.array(
             [law.by_energy / own.moduli for law, own in zip(laws, responses, strict=True)]
         )
@@ -182,6 +186,7 @@ class Softening:
                 "the energy that a softening body stores depends on the largest one that it has had"
             )
         moduli = response.moduli
+        # mu phi(W, W_max)
         return moduli * step_potential(density / moduli, response.before, *self.constants)
 
 
