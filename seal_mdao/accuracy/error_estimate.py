@@ -168,6 +168,7 @@ class ComparedPaths:
         # ends of the load steps of the seal in those of the unchosen one
         given = np.arange(1.0, seal.n_steps + 1.0)
         if file.step_tolerance is not None:
+            # steps of the seal were chosen: their ends in steps of the file
             given = np.array(chosen_ends(seal))
         for count in (fewest, MORE * fewest):
             ends = some_ends(seal, count)
@@ -231,6 +232,7 @@ def some_ends(seal: Seal, count: int) -> np.ndarray:
 def alike(fine: Seal, seal: Seal) -> Seal:
     """Return the refined seal with the parameters of the other seal, chosen penalties included."""
     known = fine.scalars
+    # penalties, motion, materials: all that both seals know
     same = {name: own.value for name, own in seal.scalars.items() if name in known}
     return fine.with_parameters(same)
 

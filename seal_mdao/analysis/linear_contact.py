@@ -68,6 +68,7 @@ class _Step:
         """Evaluate at forces ``r`` (2 p,) of the points."""
         # u - K^-1 B^T r
         d = self.d - self.increment.gather(self.moved @ r) if r.size else self.d
+        # f beyond the linearised forces, and df by the motion (dg, dxi)
         found = [own.deviation(own.motion(d)) for own in self.contacts]
         deviation, slopes = (np.concatenate(parts) for parts in zip(*found, strict=True))
         # r - f
@@ -76,11 +77,13 @@ class _Step:
         return _State(d, off, deviation, slopes)
 
     def converged(self, r, now: _State) -> bool:
+        # relative to the forces of the linearisation, of the law and r
         scale = max(self.scale, np.linalg.norm(now.deviation), np.linalg.norm(r))
         return now.size <= TOLERANCE * scale
 
     def with_new_points(self, r, now: _State) -> np.ndarray:
         """Add the points outside that deviate; return ``r`` with zeros for them."""
+        # points whose state differs from that of the tangent
         outside = now.deviation.any(axis=1)
         outside[self.points] = False
         new, layout = np.flatnonzero(outside), self.increment.problem.discretization.layout
@@ -114,6 +117,7 @@ class _Step:
             trial = self.at(r + fraction * step)
             if best is None or trial.size < best[1].size:
                 best = r + fraction * step, trial
+            # |r - f| falls by at least DECREASE of what the linear problem promises
             if trial.size < (1.0 - DECREASE * fraction) * now.size:
                 return r + fraction * step, trial
             fraction *= 0.5

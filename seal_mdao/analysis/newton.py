@@ -109,6 +109,7 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
         if not done and _cycles(visited):
             return Solution(Status.CYCLED, d, tuple(residuals), now)
         if mixed:
+            # tangent and force of the mixed linearisation at the same d
             now = increment.evaluate(d, now.iteration, mixed=not done)
         try:
             if done:
@@ -121,6 +122,7 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
         except np.linalg.LinAlgError:
             return Solution(Status.SINGULAR, d, tuple(residuals), now)
         if mixed:
+            # the linear step with the contact law itself between facing walls
             contacts = increment.problem.linear_contacts(now.iteration, increment.history)
             d = with_contact(increment, contacts, d, factor)
         iteration = now.iteration

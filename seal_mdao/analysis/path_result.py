@@ -159,6 +159,7 @@ class PathResult:
         mask = problem.supports_of(label)
         # moved edges without a profile have no term
         if any(term.label == label for term in problem.terms) or not mask.any():
+            # sum of the forces at contact points, then of the reactions of prescribed components
             total += step.responses[self.index_of(label)].total
         return total + self.support_force(mask, step) if mask.any() else total
 

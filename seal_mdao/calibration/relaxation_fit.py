@@ -160,6 +160,7 @@ def _search(model, log_a, ratios, terms, progress):
     low, high = time_range(model, log_a)
     # more terms than decades + 2 cannot be distinguished
     most = min(MAX_TERMS, int(np.ceil((high - low) / np.log(10.0))) + 2)
+    # m = (sum w)^2 / sum w^2 readings of equal weight
     effective = model.weight.sum() ** 2 / (model.weight**2).sum()
     best, before, trials = (np.inf, None, None), None, []
     for n in range(0, (terms or most) + 1):
@@ -176,6 +177,7 @@ def _search(model, log_a, ratios, terms, progress):
         # BIC = m ln(mean square) + k ln m, with the effective number m of weighted readings
         square = np.average((own.evaluate(x)[0] - own.force) ** 2, weights=own.weight)
         score = effective * np.log(square + RESOLUTION**2) + len(own.names) * np.log(effective)
+        # a term without a part of the force is one too many
         absent = bool(np.any(e[1:] < NONE * e.sum()))
         trials.append({"terms": n, "rms": float(np.sqrt(square)), "bic": float(score)})
         if terms == n or (terms is None and not absent and score < best[0]):
@@ -196,6 +198,7 @@ def _solve(model, starts, log_a, ratios) -> np.ndarray:
     """Minimise from all starting points of ln tau; return the best unknowns."""
     best = None
     for log_tau in starts:
+        # for given ln tau and ln a the forces are linear in e
         e = parts(model, log_tau, log_a, _sizes(model, ratios))
         shift = [log_a[_first(model, t)] for t in model.shifted] if model.shift else []
         free = [] if model.log_tau is not None else log_tau
@@ -214,6 +217,7 @@ def _first(model, temperature) -> int:
 def bounds(model, log_a) -> tuple[np.ndarray, np.ndarray]:
     """Compute lower and upper bounds of the unknowns; log_a (c,) gives the range of reduced times."""
     low, high = time_range(model, log_a)
+    # e_i >= 0, ln tau in the range that readings resolve
     box = {"e": (0.0, np.inf), "ln_tau": (low - BEYOND, high), "ratio": (0.0, np.inf)}
     pairs = [box.get(name.rpartition("_")[0], (-np.inf, np.inf)) for name in model.names]
     lower, upper = map(np.array, zip(*pairs, strict=True))
@@ -250,6 +254,7 @@ def _descend(model, start, log_a) -> np.ndarray:
 def _relaxing(model, x) -> dict:
     """Find out of which temperatures the curves relax by more than their scatter."""
     values, _ = model.evaluate(x)
+    # sigma^2 of a reading
     scatter = np.mean((values - model.force) ** 2) + RESOLUTION**2
     found = dict.fromkeys(model.tests.temperatures, False)
     for k, own in enumerate(model.tests.curves):
@@ -265,6 +270,7 @@ def _shift_function(model, x, name):
     own = [model.names.index(f"ln_a_{t:g}") for t in model.shifted]
     matrix = covariance(model, x, least=RESOLUTION)[np.ix_(own, own)]
     visible = _relaxing(model, x)
+    # factors with a small enough variance, between curves that relax
     known = (np.diag(matrix) < VAGUE**2) & [visible[t] for t in model.shifted]
     known &= visible[model.reference]
     if known.sum() < len(SHIFTS[name].names if name else Arrhenius.names):

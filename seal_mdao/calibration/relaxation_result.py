@@ -70,6 +70,7 @@ class RelaxationFit:
         known = np.isfinite(deviation)
         size = np.where(known & (deviation > 0.0), deviation, 1.0)
         matrix = np.where(np.outer(known, known), self.covariance, 0.0)
+        # rho_ij = C_ij / (sigma_i sigma_j)
         return matrix / np.outer(size, size)
 
     @property
@@ -85,6 +86,7 @@ class RelaxationFit:
 
     def relaxed(self, time) -> np.ndarray:
         """Evaluate the modulus over the instantaneous one at times at the reference temperature."""
+        # R(t) = 1 - sum g_i (1 - exp(-t/tau_i))
         fallen = -np.expm1(-np.asarray(time, float)[..., None] / self.tau)
         return 1.0 - fallen @ self.g
 
@@ -98,6 +100,7 @@ class RelaxationFit:
         own = [k for k, name in enumerate(self.names) if name in slopes]
         matrix = self.covariance[np.ix_(own, own)]
         columns = np.stack([slopes[self.names[k]] for k in own], axis=-1)
+        # sigma_R^2 = (dR/dc)^T C (dR/dc)
         return np.sqrt(np.einsum("...i,ij,...j->...", columns, matrix, columns))
 
     @property
@@ -137,6 +140,7 @@ def covariance(model: PronyModel, x: np.ndarray, fixed=(), least: float = 0.0) -
     variance = max((away @ away) / max(values.size - free.size, 1), least**2)
     weighted = root[:, None] * slopes[:, free]
     length = np.linalg.norm(weighted, axis=0)
+    # columns of unit length: singular values do not depend on the units of the unknowns
     size = 1.0 / np.where(length > 0.0, length, 1.0)
     left, singular, right = np.linalg.svd(weighted * size, full_matrices=False)
     known = singular > DETERMINED * singular[0]

@@ -97,6 +97,7 @@ def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndar
         linearized = other.linearization(step, following, False)
         passed = linearized.passed_on(following)
         if passed is not None:
+            # B^T G of what the step passes on
             columns.append(linearized.loads_of(passed))
     if not columns:
         return np.zeros(len(kinks.touching), bool)
@@ -104,6 +105,7 @@ def _passes_on(path: PathResult, term, kinks: Kinks, step, following) -> np.ndar
     adjoints = solve_transposed(path.problem, step, np.hstack(columns))
     every = np.arange(len(term.where))
     at_points = np.zeros((every.size, 2, adjoints.shape[1]))
+    # B Lambda at the points of the term
     add_field(term.table.table, every, layout.equations, adjoints, at_points)
     # |Lambda^T B^T df/dg_n| of every touching point
     moved = np.abs(np.tensordot(kinks.forces, at_points, 2))

@@ -73,6 +73,7 @@ def _mixed(stack: Stack, weights: np.ndarray) -> Stack:
         if isinstance(part, dict):
             return {key: mixed(own) for key, own in part.items()}
         if isinstance(part, np.ndarray):
+            # sum_m w_rm part_m
             return np.tensordot(weights, part, 1)
         return type(part)(*(mixed(getattr(part, field.name)) for field in fields(part)))
 

@@ -141,6 +141,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
         method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
         gradient = adjoint_gradient(result, wanted, parameters)
+        # dm/dX and dm/dp from one adjoint sweep
         rows, columns = gradient.particles, gradient.of(parameters)
     else:
         # V = unit vectors: every coordinate of every particle
@@ -178,6 +179,7 @@ class Wanted:
     def __init__(self, result, measures):
         self.measures = measures
         self.bases = list(dict.fromkeys(_base(measure) for measure in measures))
+        # values and partial derivatives of every independent measure
         self.values, partials = zip(*(base.of(result) for base in self.bases), strict=True)
         self.stack = stacked(partials)
         self.probe = result.path.discretization.table_at(self.stack.at)

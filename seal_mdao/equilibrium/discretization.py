@@ -180,6 +180,7 @@ class Body:
         GeometryError
             A folded cell, or a point that too few supports cover.
         """
+        # w = w_g det(dX/d eta) of the Gauss points of every cell
         weights = quadrature_weights(self.cell_map, cloud.particles)
         return build_cell_table(
             cloud, self.cell_map, self.edge_rule, weights, transformation, self.axisymmetric
@@ -266,6 +267,7 @@ class Discretization:
             points = single_points(which)
             if which.max(initial=0) >= self.body.n_particles:
                 every = self.body.samples
+                # beyond the particles: midpoints of sides and centres of cells
                 points = PointSet(every.anchors[which], every.weights[which], 1)
             self._tables_at[key] = self.sloped_table(points)
         return self._tables_at[key]
@@ -312,6 +314,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
         raise ValueError(f"particle {where} has a coordinate that is not a finite number")
+    # u = Phi T d with T of the constrained particles, then Phi, grad Phi and w at all points
     cloud, transformation, rows = _essential(body, particles)
     cells = body.cell_table(cloud, transformation)
     tables = tuple(_table_of(term.point_set(), cloud, transformation) for term in terms)

@@ -51,6 +51,7 @@ def hardness_factor(shore: float, change: float) -> float:
     >>> round(hardness_factor(50.0, 5.0), 3)
     1.208
     """
+    # E(S + dS) / E(S)
     return shore_modulus(shore + change) / shore_modulus(shore)
 
 

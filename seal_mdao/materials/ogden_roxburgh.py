@@ -123,6 +123,7 @@ def softened(energy, largest, r, m, beta) -> Softened:
     below, width, z = _distance(energy, largest, m, beta)
     # d erf(z)/dz = 2 exp(-z^2) / sqrt(pi),  dz/dW = -1 / s,  dz/dW_max = (1 - beta z) / s
     slope = np.where(below, 2.0 / _ROOT * np.exp(-z * z) / (r * width), 0.0)
+    # d eta/dr
     on_r = erf(z) / (r * r)
     # dz/dm = -z / s,  dz/dbeta = -z W_max / s
     return Softened(

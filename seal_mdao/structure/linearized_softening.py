@@ -32,6 +32,7 @@ class LinearizedSoftening(LinearizedHistory):
     @property
     def energy_gradient(self) -> np.ndarray:
         """W_F and W_h."""
+        # W_F = P / mu
         return self.stress / self.response.moduli[..., None, None]
 
     @cached_property
@@ -54,6 +55,7 @@ class LinearizedSoftening(LinearizedHistory):
     # ---- direct ----
 
     def stress_rates(self, design, history):
+        # P' at fixed F and constants: (d eta/dW_max) W_max' P
         return self.by_history * history[:, :, None]
 
     def passed_rates(self, design, history, gradient):
@@ -66,14 +68,17 @@ class LinearizedSoftening(LinearizedHistory):
     # ---- adjoint ----
 
     def law_seeds(self, history_bar):
+        # W_max+ = W on the primary branch: its seed is that of W, else that of W_max
         return np.where(self._below, 0.0, history_bar)
 
     def gradient_seeds(self, on_law):
+        # F_bar = W_F W_bar
         return self.energy_gradient * on_law[:, :, None]
 
     def pull_back_law(self, seeds: HistorySeeds, strain, design):
         if design.wanted:
             for number, own in self.by_constants.items():
                 design.parameters[number] += np.einsum("cq,cqm->m", own, seeds.on_law)
+        # W_max_bar = W_max+_bar below, and w (d eta/dW_max) P : (B lambda)
         passed = np.where(self._below, seeds.history, 0.0)
         return passed + (self.weights * self.by_history * strain).sum(axis=2)

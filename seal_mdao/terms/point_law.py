@@ -84,6 +84,7 @@ class PointLaw(TermDefinition):
         """Compute the derivatives of the force with respect to x, for every Newton iteration; shape
         (s, 2, 2)."""
         if type(self).linearize is PointLaw.linearize:
+            # dforce/dx: the columns of x alone, rows of the force
             return self._by_complex_steps(given, fraction, 2)[:, :2]
         return self.linearize(given, fraction)[:, :2, :2]
 
@@ -134,6 +135,7 @@ def _flat(given: LawInputs) -> np.ndarray:
 
 def _given(definition: PointLaw, flat: np.ndarray) -> LawInputs:
     """The inverse of ``_flat``."""
+    # columns x (2), history, measure, parameters, X (2)
     at = 2 + definition.history_size
     names = enumerate(definition.parameters, at + 1)
     parameters = SimpleNamespace(**{name: flat[:, [column]] for column, name in names})

@@ -114,6 +114,7 @@ class PointTerm(TermAtPoints):
 
     def uses_history(self, following: PointResponse) -> np.ndarray:
         """Return the points whose history a step used."""
+        # points that carry a force in the next step
         return np.flatnonzero(following.branch) if self.history_size else np.empty(0, int)
 
     # ---- the contract of a term ----
@@ -170,6 +171,7 @@ class PointTerm(TermAtPoints):
         matters[used] = True
         points, local = np.flatnonzero(matters), np.empty((0, *self.local_shape))
         if points.size:
+            # L of these points at the converged step
             local = self.linearize(response, step.fraction, step.before[self.index], points)
         return LinearizedPoints(self, step, Linearization(points, local, *self.spaces), used)
 

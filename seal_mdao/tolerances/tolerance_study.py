@@ -120,6 +120,7 @@ class ToleranceStudy:
             If it cannot be analysed.
         """
         middle, n = self.tolerances.middle(self.seal), self.seal.n_offsets
+        # one analysis with gradient at the means of all numbers
         parameters = np.array([*middle.values(0, self.nominal).values()])
         outcome = replace(self.task, derivatives=True).run(self.boundary, parameters)
         if outcome.failure:

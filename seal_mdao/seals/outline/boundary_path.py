@@ -38,6 +38,7 @@ class MirrorPlane(NamedTuple):
     def image(self, points) -> np.ndarray:
         """Reflect points (..., 2)."""
         found = np.array(points, float)
+        # x -> 2 a - x
         found[..., self.axis] = 2.0 * self.at - found[..., self.axis]
         return found
 
@@ -81,6 +82,7 @@ class BoundaryPath:
     @cached_property
     def along(self) -> np.ndarray:
         """Arc length of the points from the beginning of the stretch, shape (k,), mm."""
+        # modulo the length, for a stretch may run over the start of the loop
         arc = np.asarray(self.boundary.arc_length)[self.stretch.points]
         return (arc - arc[0]) % self.boundary.length
 
@@ -120,6 +122,7 @@ class BoundaryPath:
     def project(self, point) -> tuple[float, float]:
         """Find the arc length of the nearest point of the curve, and its distance, mm."""
         _, points, _, _ = self._sides
+        # start at the nearest point
         s = np.array([self._sides[0][np.hypot(*(points - point).T).argmin()]])
         for _ in range(PROJECTION_STEPS):
             # s <- s + (p - x) . x' / (x' . x')

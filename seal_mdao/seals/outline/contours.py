@@ -74,6 +74,7 @@ class Contour:
         others = [i for i, name in enumerate(names) if name != names[0]]
         if not others or others[-1] == len(names) - 1:
             return self
+        # rotate the chain to the first segment behind that edge
         first = others[-1] + 1
         return Contour(self.segments[first:] + self.segments[:first])
 
@@ -120,6 +121,7 @@ class Outline:
         for contour in (self.outer, *holes, *self.others):
             if not isinstance(contour, Contour):
                 raise GeometryError(f"a section is made of contours, got {contour!r}")
+        # clockwise: area < 0
         holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
         # frozen dataclass: normalised contours replace those given
         object.__setattr__(self, "outer", self.outer.from_edge())

@@ -175,6 +175,7 @@ def _outline_of(pieces) -> Outline:
             f"{error} (layers read as boundary: {', '.join(layers)}; name other layers in "
             "parting of [section], for lines between rubbers, or in ignore)"
         ) from None
+    # largest first: a contour comes behind those around it
     contours.sort(key=lambda contour: -abs(contour.area))
     return _nested(contours)
 

@@ -129,6 +129,7 @@ def _sides(vertices, closed: bool, scale, edge) -> list:
     if len(vertices) < 2:
         raise GeometryError("a polyline needs at least two vertices")
     if closed:
+        # the last side returns to the first vertex
         vertices = np.vstack([vertices, vertices[:1]])
     found = []
     # the bulge of a vertex belongs to the side that begins there; 0 is a straight side
@@ -150,6 +151,7 @@ def _ellipse(entity, scale, edge):
     from ezdxf.math import BSpline
 
     _check_normal(entity)
+    # quadratic, with weights: exact
     tool = BSpline.from_ellipse(entity.construction_tool())
     control = _planar(tool.control_points, scale)
     return segments_of(tool.degree, tool.knots(), control, tool.weights(), edge)

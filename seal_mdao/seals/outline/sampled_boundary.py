@@ -58,6 +58,7 @@ class SampledBoundary:
         """Return the arc length, mm, of a point of an edge; ValueError if it is not on the edge."""
         path = self.path(name)
         s, away = path.project(np.asarray(point, float))
+        # on the edge within its longest side
         nearest = float(np.diff(path.along).max())
         if away > nearest:
             raise ValueError(f"design: {pair(point)} is {away:.3g} mm away from the edge {name!r}")
@@ -65,6 +66,7 @@ class SampledBoundary:
 
     def pieces(self, loop: int) -> list[np.ndarray]:
         """List the points of every segment of a loop, both ends included."""
+        # a segment from every corner to the next, the last one over the start of the loop
         corners = np.flatnonzero(self.boundaries[loop].corner)
         count = len(self.boundaries[loop].points)
         ends = np.append(corners[1:], count + corners[0])
@@ -80,6 +82,7 @@ class SampledBoundary:
         which = np.flatnonzero(np.concatenate(corner))
         if not which.size:
             raise ValueError(f"design: no vertex is at {pair(at)}; every contour is one segment")
+        # nearest vertex, and the loop in which its index lies
         away = np.hypot(*(self.points[which] - np.asarray(at, float)).T)
         index = int(which[away.argmin()])
         if away.min() > within:

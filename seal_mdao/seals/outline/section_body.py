@@ -57,6 +57,7 @@ class SectionBody(NamedTuple):
         """
         found = np.full(len(where), -1)
         for number, name in reversed(list(enumerate(edges))):
+            # all anchors of the point are particles of the edge
             own = np.isin(where.points.anchors, self.body.edge(name).particles).all(axis=1)
             found[own] = number
         return found

@@ -51,6 +51,7 @@ class Segment:
 
     def normals(self, s) -> np.ndarray:
         """Evaluate outward unit normals, shape (k, 2)."""
+        # n = t turned clockwise, (t_y, -t_x)
         tangent = self.tangents(s)
         return np.column_stack([tangent[:, 1], -tangent[:, 0]])
 
@@ -145,6 +146,7 @@ class Line(Segment):
         return (1.0 - s) * np.array(self.first) + s * np.array(self.last)
 
     def tangents(self, s):
+        # t = (b - a) / |b - a|
         direction = np.subtract(self.last, self.first) / self.length
         return np.tile(direction, (np.size(s), 1))
 
@@ -169,6 +171,7 @@ class Line(Segment):
 
     @property
     def area(self):
+        # 1/2 a x b
         return 0.5 * (self.first[0] * self.last[1] - self.first[1] * self.last[0])
 
 

@@ -70,6 +70,7 @@ class VertexDesign:
             unit = np.eye(2)[axis]
             own = _moved_end(sampled, loop, k, unit)
             if image not in (None, (loop, k)):
+                # the image moves against it across the plane, with it along the plane
                 sign = -1.0 if axis == self.mirror.axis else 1.0
                 own = own + _moved_end(sampled, *image, sign * unit)
             columns.append(own)
@@ -91,6 +92,7 @@ def _fractions(sampled, loop: int, order) -> np.ndarray:
     """Compute the fractions of the length of the chords up to every point of a segment, (k, 1)."""
     points = sampled.points[sampled.starts[loop] + order]
     chords = np.hypot(*np.diff(points, axis=0).T)
+    # t_k = sum_(i < k) |X_(i+1) - X_i| / sum_i |X_(i+1) - X_i|
     return (np.append(0.0, np.cumsum(chords)) / chords.sum())[:, None]
 
 
@@ -137,6 +139,7 @@ def _larger_radius(sampled, loop: int, number: int, at) -> np.ndarray:
     away = (points - centre) / radius
     column = np.zeros((len(sampled.points), 2))
     if len(pieces) == 1 and piece[0] == piece[-1]:
+        # a circle: V = (X - c) / R, c at rest
         column[start + piece] = away
         return column
     before, after = pieces[number - 1], pieces[(number + 1) % len(pieces)]
@@ -153,6 +156,7 @@ def _centre_velocity(sampled, loop, beside, away) -> np.ndarray:
     boundary, start = sampled.boundaries[loop], sampled.starts[loop]
     ends = beside[0][-1], beside[1][0]
     tangent = np.asarray(boundary.tangent)[list(ends)]
+    # a fillet: no corner at either end, lines on both sides, less than a half circle
     smooth = (np.hypot(*(tangent[:, 1] - tangent[:, 0]).T) < TANGENT).all()
     straight = all(_is_straight(sampled.points[start + own]) for own in beside)
     turn = np.arccos(np.clip(away[0] @ away[-1], -1.0, 1.0))
@@ -170,6 +174,7 @@ def _circle(points, at) -> tuple[np.ndarray, float]:
     matrix = np.column_stack([2.0 * x, np.ones(len(x))])
     found, _, rank, _ = np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)
     if rank == 3 and not _is_straight(points):
+        # R^2 = (R^2 - c . c) + c . c
         radius = float(np.sqrt(found[2] + found[:2] @ found[:2]))
         if np.abs(np.hypot(*(x - found[:2]).T) - radius).max() <= ROUND * radius:
             return middle + found[:2], radius
@@ -185,4 +190,5 @@ def _is_straight(points) -> bool:
     if length <= SAME:
         return False
     to = points - points[0]
+    # distance |r x (b - a)| / |b - a| over the length
     return bool(np.abs(to[:, 0] * along[1] - to[:, 1] * along[0]).max() <= ROUND * length**2)
