@@ -111,10 +111,12 @@ def calibrate_force(
     one = np.ones(len(names))
     first = problem.at(one)
     first.result.require_converged()
+    # min over q of |r|^2, r = (F - M_i) / M, with p = q p_0 and q from 1/FACTOR to FACTOR
     found = least_squares(
         problem.residual, one, problem.jacobian, (one / FACTOR, one * FACTOR), method="trf",
         ftol=SMALL_GAIN, xtol=SMALL_STEP, gtol=None, max_nfev=MOST_ANALYSES,
     )  # fmt: skip
+    # standard errors of q; those of p are |p_0| times as large
     errors, correlation = standard_errors(found.fun, found.jac)
     start = problem.start
     return ForceCalibration(
@@ -192,6 +194,7 @@ class _LeastSquares:
     def jacobian(self, q: np.ndarray) -> np.ndarray:
         """J = p_0k / M dF_i/dp_k by the direct method, shape (n, k)."""
         result = self.at(q).result
+        # no particle moves: p alone
         still = np.zeros((0, *result.particles.shape))
         wanted = Wanted(result, (self.force,))
         rates = direct_rates(result, wanted, parameter_rates(still, self.names))

@@ -160,6 +160,7 @@ def _collected(rows, ramp: float, source: str) -> RelaxationTests:
             unused += 1
             continue
         key = row.get(TEST, ""), row.get(TEMPERATURE)
+        # a curve for every test and temperature
         groups.setdefault(key, []).append((row[TIME], row[force]))
     if not groups:
         raise MaterialDataError(

@@ -32,6 +32,7 @@ def relaxation_fit(fit: RelaxationFit) -> Figure:
     lower.sharex(upper)
     low, high = fit.time_range
     time = np.geomspace(min(low, fit.tau[0] / 10.0), high, CURVE_POINTS)
+    # R(t) with 95 % confidence
     curve, error = fit.relaxed(time), BAND * fit.relaxed_error(time)
     upper.plot(time, curve, color=BLUE, label=f"Prony series, {fit.g.size} terms")
     if np.isfinite(error).all():
@@ -75,6 +76,7 @@ def _draw_readings(upper, lower, fit) -> None:
 def _draw_shift(axes, fit) -> None:
     """Plot log10 of the shift factors of single temperatures, with the shift function."""
     degrees = np.array(list(fit.factors))
+    # log10 a = ln a / ln 10
     values, errors = np.array(list(fit.factors.values())).T / LN10
     bars = np.where(np.isfinite(errors), BAND * errors, 0.0)
     axes.errorbar(

@@ -123,6 +123,7 @@ def _mark_stages(axes, history, since, stages: StageEnds, numbers) -> None:
             text, (x, force), xytext=(5, 5), textcoords="offset points", color=color, fontsize=9.0,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
         )  # fmt: skip
+        # name and duration in the middle of the stage, in the logarithm of time
         left = np.log10(since[begin]) if since[begin] > 0.0 else low
         right = np.log10(x)
         if right - left > NARROW * (high - low):
@@ -137,6 +138,7 @@ def _mark_stages(axes, history, since, stages: StageEnds, numbers) -> None:
 def _add_readable_axis(axes, low: float, high: float) -> None:
     """Add an axis above with seconds, minutes, hours, days and years."""
     ticks = [time for time in READABLE if low <= time <= high]
+    # every k-th label, at most MOST_LABELS
     ticks = ticks[:: -(-len(ticks) // MOST_LABELS) or 1]
     upper = axes.secondary_xaxis("top")
     upper.xaxis.set_major_locator(FixedLocator(ticks))

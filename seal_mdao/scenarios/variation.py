@@ -143,6 +143,7 @@ class Scenarios:
         rows = self.numbers
         if self.offsets is not None:
             columns.append("largest boundary offset (mm)")
+            # max_p |b_p| of every scenario
             largest = np.abs(self.offsets).max(axis=1, initial=0.0)
             rows = np.column_stack([rows, largest])
         return {"columns": columns, "rows": rows.tolist()}

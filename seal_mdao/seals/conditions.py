@@ -84,6 +84,7 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
     for prefix, growth in growths.items():
         if environment.temperature is None or growth.factors is None:
             continue
+        # least and largest temperature of the path within the table
         (low, high), at = environment.temperature.extremes, growth.factors[:, 0]
         if low < at[0] or high > at[-1]:
             raise ValueError(

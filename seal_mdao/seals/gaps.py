@@ -48,6 +48,7 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
         Indices of contact points.
     """
     own = result.path.at_nominal(profile)[step]
+    # open between closed ones along the edge
     points = open_points(own.branch, is_closed(result.term(profile).where))
     others = [
         response.x[response.branch != OPEN]

@@ -128,6 +128,7 @@ def _check_factors(file, name: str) -> None:
     if file.model.temperature is None or table in (None, ENTROPIC):
         return
     at = [temperature for temperature, _ in table]
+    # temperatures at the start and at the ends of all stages
     given = np.append(file.model.reference_temperature, file.model.temperature)
     if given.min() < at[0] or given.max() > at[-1]:
         raise SealFileError(

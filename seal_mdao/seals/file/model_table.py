@@ -86,6 +86,7 @@ def axis_edges(outline: Outline) -> tuple[str, ...]:
 
 def _radii(outline: Outline, name: str) -> np.ndarray:
     """Distances from the axis along an edge, negative beyond it, mm."""
+    # x of points along the chords of every segment
     around = [s.points(s.chords(LOOK * outline.size))[:, 0] for s in outline.edge(name)]
     return np.concatenate(around)
 
@@ -119,6 +120,7 @@ def check_axisymmetric(file) -> None:
 def _check_section(outline: Outline) -> None:
     """Refuse a section beyond the axis, or that touches it without an edge there."""
     tolerance, on_axis = _on(outline), axis_edges(outline)
+    # ends of the segments on the axis: only there may other edges touch it
     ends = [(s.start, s.end) for name in on_axis for s in outline.edge(name)]
     known = np.array(ends).reshape(-1, 2)
     for name in outline.edge_names:

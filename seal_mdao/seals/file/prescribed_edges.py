@@ -60,6 +60,7 @@ def _check_corners(outline: Outline, name: str, own: tuple, owners: dict) -> Non
     """Refuse a common corner of two edges that prescribe different displacements for it."""
     ends = _ends(outline, name)
     for other, its in owners.items():
+        # distances of all ends of one edge from all of the other
         apart = np.hypot(*(ends[:, None] - _ends(outline, other)).T)
         if its[0] == own[0] or apart.min() > JOIN:
             continue
@@ -80,6 +81,7 @@ def _ends(outline: Outline, name: str) -> np.ndarray:
 def _program(own: tuple, component: int) -> tuple:
     """Return what a motion prescribes for one component, for comparison; empty at rest."""
     _, _, pivot, stages = own
+    # a rotation moves the corner in both components, by its pivot
     if any(stage.rotate for stage in stages):
         return (pivot, *((stage.translate, stage.rotate, stage.steps) for stage in stages))
     moved = tuple((stage.translate[component], stage.steps) for stage in stages)

@@ -106,6 +106,7 @@ def times_of(file) -> StageTimes | None:
     if not relaxes(file):
         return None
     steps = [stage.steps for stage in file.stages]
+    # first step of a dwell: the shortest relaxation time
     first = [
         _shortest(file, number) if dwells(file, number) else np.inf for number in range(len(steps))
     ]
@@ -124,6 +125,7 @@ def dwells(file, number: int) -> bool:
     """Whether motions, temperature and pressures are constant in a stage, counted from 0."""
     moving = [own for own in file.moving if own.stages]
     counts = {len(own.stages) for own in moving}
+    # all moving parts have as many stages, and none moves in this one
     still = len(counts) == 1 and not any(
         any(own.stages[number].translate) or own.stages[number].rotate for own in moving
     )
@@ -143,6 +145,7 @@ def _shortest(file, number: int) -> float:
             shift = 1.0
             if own.shift is not None:
                 at = np.array(temperatures[number + 1], float)
+                # tau_i a_T at the end of the stage
                 shift = float(np.exp(own.shift.log_factor(at)[0]))
             found.append(min(own.tau) * shift)
     return min(found)
