@@ -141,7 +141,7 @@ def arguments_parser():
     )  # fmt: skip
     made.add_argument(
         "--depths", type=travel, nargs="+", metavar="MM",
-        help="door travel at which deformed shapes are drawn; four equal parts when left out",
+        help="door travel at which deformed shapes are drawn; default: four equal parts",
     )  # fmt: skip
     return made
 

@@ -208,9 +208,11 @@ def report(summary: dict, found: Identified, both: Identified, out) -> None:
 def arguments_parser():
     made = parser(__doc__.splitlines()[0], "out/calibration")
     made.add_argument("--noise", type=float, default=0.05, metavar="N/M", help="standard deviation")
-    made.add_argument("--seed", type=int, default=1, metavar="N", help="of the noise")
+    made.add_argument("--seed", type=int, default=1, metavar="N", help="seed of the noise")
     made.add_argument("--depth", type=float, default=10.0, metavar="MM", help="travel of the press")
-    made.add_argument("--steps", type=int, default=30, metavar="N", help="load steps each way")
+    made.add_argument(
+        "--steps", type=int, default=30, metavar="N", help="load steps of loading and of unloading"
+    )
     return made
 
 

@@ -25,11 +25,11 @@ from seal_mdao.optimization import RunOptions
 from seal_mdao.report.write import write_report
 
 PROBLEM_FLAGS = {
-    "keep_force": "keep the vertical reaction at the end of the path within 10 % of its start",
-    "clamp_load": "keep the whole load curve: the reaction at 2, 4, 6, 8 and 10 mm within 10 %",
+    "keep_force": "keep the vertical reaction at the final travel within 10 % of its initial value",
+    "clamp_load": "keep the reaction at 2, 4, 6, 8 and 10 mm within 10 % of its initial values",
     "pressure_floor": "keep half of the nominal seal's contact pressure in each patch",
-    "stress_norm": "limit the p-norm of the stress of the whole section, not seven stresses",
-    "gap_integral": "minimise the integral of g^2 over the opened stretch, not a sum over points",
+    "stress_norm": "limit the p-norm of the stress of all particles, not seven stresses",
+    "gap_integral": "minimise the integral of g^2 over the gap region, not a sum over points",
 }
 
 

@@ -222,7 +222,7 @@ def arguments_parser():
     made.add_argument("--seed", type=int, metavar="N", help="verify a random design")
     made.add_argument(
         "--amplitude", type=float, metavar="MM",
-        help=f"largest change of a parameter of the random design, {AMPLITUDE} when left out",
+        help=f"largest change of a parameter of the random design, default {AMPLITUDE}",
     )  # fmt: skip
     made.add_argument(
         "--steps", type=float, nargs="+", default=STEPS, metavar="MM",
@@ -230,7 +230,7 @@ def arguments_parser():
     )  # fmt: skip
     made.add_argument(
         "--parameters", type=int, nargs="+", metavar="P",
-        help="numbers of the parameters to verify, the last one is the door radius; all when left out",
+        help="numbers of the parameters to verify, the last one is the door radius; default: all",
     )  # fmt: skip
     made.add_argument(
         "--repeats", type=positive_integer, default=5, metavar="N", help="repeats of the timing"

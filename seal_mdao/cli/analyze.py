@@ -350,7 +350,7 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vtu", action=argparse.BooleanOptionalAction, default=None,
-        help="VTU series for ParaView; written when left out if meshio is there",
+        help="VTU series for ParaView; default: written if meshio is installed",
     )  # fmt: skip
     made.add_argument(
         "--errors", action="store_true",

@@ -94,13 +94,13 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
         flag, default = f"--{name.replace('_', '-')}", getattr(nominal, name)
         # None lets the accuracy choose; an explicit value overrides it
         if name in OF_ACCURACY:
-            default, text = None, f"{text}; that of the accuracy when left out"
+            default, text = None, f"{text}; default: that of --accuracy"
         group.add_argument(flag, type=kind, default=default, help=text, **more)
 
     # preset of discretisation and load steps
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
-        help="particles and load steps: the paper's, those with the best error per second, or more",
+        help="particles and load steps: those of the paper, those with the best error per second, finer",
     )  # fmt: skip
     # friction law
     add("friction", float, "Coulomb coefficient", metavar="MU")
@@ -113,8 +113,8 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
         "--flat-door", dest="door", action="store_const", const="flat", default=argparse.SUPPRESS,
         help="the same as --door flat",
     )  # fmt: skip
-    add("corner_x", float, "where the flat of the corner door ends", metavar="MM")
-    add("segments", int, "straight segments of the door; exact curve when left out", metavar="N")
+    add("corner_x", float, "x at which the flat part of the corner door ends", metavar="MM")
+    add("segments", int, "straight segments of the door; default: the exact curve", metavar="N")
     # particles, kernels
     add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
     add("layers", int, "particles across the wall", metavar="N")

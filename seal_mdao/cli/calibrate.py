@@ -200,16 +200,16 @@ def arguments_parser():
         "csv", type=Path, metavar="CSV",
         help=f"measured forces: columns {TRAVEL} (distance moved by the profile since its "
         f"first touch, which increases during unloading too) or {TIME} (from the start of "
-        "the path), and force_N_per_m, of a body of revolution force_N",
+        "the path), and force_N_per_m, for a body of revolution force_N",
     )  # fmt: skip
     made.add_argument(
         "--find", nargs="+", required=True, metavar="NAME",
         help="parameters of the seal to find, or the ends of their names (c10, friction, g_1, tau_1); "
-        "a wrong name lists what there is",
+        "a wrong name lists the parameters",
     )  # fmt: skip
-    made.add_argument("--profile", metavar="NAME", help="on which the force was measured")
+    made.add_argument("--profile", metavar="NAME", help="profile on which the force was measured")
     made.add_argument(
         "--axis", choices=("x", "y"),
-        help="axis of the measured force on the profile; against its first movement when left out",
+        help="axis of the measured force on the profile; default: against its first movement",
     )  # fmt: skip
     return made

@@ -58,7 +58,5 @@ def summary_of(path: Path) -> str:
 
 def arguments_parser():
     made = parser(__doc__, ".", "[NAME]", "seal-mdao examples d_bulb --out my_seal")
-    made.add_argument(
-        "name", nargs="?", metavar="NAME", help="example to copy; all are listed without"
-    )
+    made.add_argument("name", nargs="?", metavar="NAME", help="example to copy; default: list all")
     return made

@@ -15,8 +15,8 @@ def add_executor_arguments(made: argparse.ArgumentParser) -> None:
     group = made.add_argument_group("running")
     group.add_argument(
         "--workers", type=_count, metavar="N",
-        help="processes, or Dask workers on this machine; 0: one after the other in this process; one a "
-        "core when left out",
+        help="number of processes, or of Dask workers on this machine; 0: one after the other in this "
+        "process; default: one per core",
     )  # fmt: skip
     group.add_argument(
         "--executor", choices=EXECUTORS, default=EXECUTORS[0],

@@ -234,8 +234,8 @@ def arguments_parser():
     )  # fmt: skip
     made.add_argument(
         "--terms", type=positive_integer, metavar="N",
-        help=f"terms of {' and '.join(OF_TERMS)}, at most {MAX_TERMS}, 1 if left out; or of the Prony "
-        "series, as many as the data justify if left out",
+        help=f"terms of {' and '.join(OF_TERMS)}, at most {MAX_TERMS}, default 1; or of the Prony "
+        "series, default as many as the data justify",
     )  # fmt: skip
     made.add_argument("--name", default="rubber", metavar="NAME", help="material in the seal file")
     add_law_options(made.add_argument_group("stress over stretch").add_argument)
@@ -250,11 +250,11 @@ def add_law_options(add) -> None:
         "--weighting",
         choices=WEIGHTINGS,
         default="relative",
-        help="residuals that are minimised",
+        help="differences of stress that are minimised",
     )
     add(
         "--stretches", type=float, nargs=2, metavar=("FROM", "TO"),
-        help="take only readings between these stretches",
+        help="use only readings between these stretches",
     )  # fmt: skip
     add(
         "--bulk-modulus", type=float, default=80_000.0, metavar="KPA",
@@ -264,31 +264,35 @@ def add_law_options(add) -> None:
         "--margin", type=float, default=MARGIN, metavar="FRACTION",
         help="widen the tested ranges by this fraction of ln(stretch) for the check of stability",
     )  # fmt: skip
-    add("--allow-unstable", action="store_true", help="take constants that are not stable, too")
-    add("--seed", type=int, default=0, metavar="N", help="of the start values")
+    add("--allow-unstable", action="store_true", help="accept constants that are not stable")
+    add("--seed", type=int, default=0, metavar="N", help="seed of the start values")
 
 
 def add_relaxation_options(add) -> None:
     add(
-        "--tau", type=float, nargs="+", metavar="S", help="given relaxation times; only g is fitted"
+        "--tau",
+        type=float,
+        nargs="+",
+        metavar="S",
+        help="relaxation times to use; only g is fitted",
     )
     add(
         "--ramp", type=float, default=0.0, metavar="S",
-        help="duration of the loading at a constant rate; earlier readings are left out",
+        help="duration of the loading at a constant rate; readings during it are ignored",
     )  # fmt: skip
     add(
         "--shift", choices=tuple(SHIFTS),
-        help="shift of the times with the temperature; the better one if left out",
+        help="shift of the relaxation times with temperature; default: the one that fits better",
     )  # fmt: skip
     add(
         "--reference", type=float, metavar="DEGC",
-        help="reference temperature, one of the tested; the one nearest to 23 if left out",
+        help="reference temperature, one of the tested; default: the one nearest to 23",
     )  # fmt: skip
     add(
         "--entropic", action="store_true",
-        help="moduli in proportion to the absolute temperature; for a test at several temperatures",
+        help="moduli proportional to the absolute temperature; for a test at several temperatures",
     )  # fmt: skip
     add(
         "--moduli", choices=MODULI, default=MODULI[0],
-        help="which moduli the constants of the law in the seal file are",
+        help="kind of the moduli of the law in the seal file",
     )  # fmt: skip

@@ -67,6 +67,6 @@ def arguments_parser():
         "name",
         nargs="?",
         metavar="NAME",
-        help="table, law or type of measure; all are listed without",
+        help="table, law or type of measure; default: list all",
     )
     return made

@@ -86,14 +86,16 @@ def arguments_parser():
         help="take the section from a drawing whose layers are the edges",
     )  # fmt: skip
     made.add_argument(
-        "--units", choices=tuple(MODEL_UNITS), help="of a drawing whose header has none"
+        "--units",
+        choices=tuple(MODEL_UNITS),
+        help="unit of length of a drawing whose header has none",
     )
     made.add_argument(
         "--parting", nargs="+", metavar="LAYER",
-        help="layers of lines between rubbers; a single one is found without",
+        help="layers of lines between rubbers; default: a single one is detected",
     )  # fmt: skip
     made.add_argument(
         "--ignore", nargs="+", metavar="LAYER",
-        help="layers that are no boundary; annotation is left out without",
+        help="layers that are not part of the boundary; annotation is always ignored",
     )  # fmt: skip
     return made

@@ -92,6 +92,6 @@ def arguments_parser():
         help="largest error bar of a measure, percent of its value",
     )  # fmt: skip
     made.add_argument(
-        "--measures", nargs="+", metavar="NAME", help="measures of the file; all when left out"
+        "--measures", nargs="+", metavar="NAME", help="measures of the file; default: all"
     )
     return made

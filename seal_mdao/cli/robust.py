@@ -185,9 +185,19 @@ def arguments_parser():
     goal = RobustGoal()
     add = made.add_argument
     add_tolerance_arguments(made)
-    add("--scenarios", type=positive_integer, default=32, metavar="N", help="of the optimisation")
     add(
-        "--seed", type=int, default=0, metavar="N", help="of scenarios; fresh samples have the next"
+        "--scenarios",
+        type=positive_integer,
+        default=32,
+        metavar="N",
+        help="scenarios of the optimisation",
+    )
+    add(
+        "--seed",
+        type=int,
+        default=0,
+        metavar="N",
+        help="seed of the scenarios; fresh samples use N + 1",
     )
     add(
         "--fraction", type=float, default=goal.share, metavar="F",
@@ -195,20 +205,26 @@ def arguments_parser():
     )  # fmt: skip
     add(
         "--minimize", choices=GOALS, default=goal.minimize,
-        help="mean + K std of what is minimised, or its smooth largest value over the scenarios",
+        help="mean + K std of the objective, or its smooth maximum over the scenarios",
     )  # fmt: skip
-    add("--deviations", type=float, default=goal.deviations, metavar="K", help="of mean + K std")
+    add(
+        "--deviations",
+        type=float,
+        default=goal.deviations,
+        metavar="K",
+        help="factor K of mean + K std",
+    )
     add(
         "--band", type=float, default=goal.band, metavar="FRACTION",
         help="allowed relative change of the nominal seal's reaction",
     )  # fmt: skip
     add(
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
-        help="scatter of the scenarios over that of the tolerances",
+        help="scatter of the scenarios divided by that of the tolerances",
     )  # fmt: skip
     add(
         "--nominal", type=existing_file, metavar="FILE",
-        help="summary.json of the nominal optimum; found first when left out "
+        help="summary.json of the nominal optimum; default: compute it first "
         f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
     )  # fmt: skip
     add_optimization_arguments(

@@ -163,7 +163,7 @@ def add_optimization_arguments(made: argparse.ArgumentParser, restart: str) -> N
     add = group.add_argument
     add(
         "--optimizer", type=str.upper, choices=names, default=names[0],
-        metavar="|".join(names).lower(), help="method",
+        metavar="|".join(names).lower(), help="optimiser",
     )  # fmt: skip
     add(
         "--max-iterations", type=positive_integer, metavar="N",

@@ -58,8 +58,10 @@ def arguments_parser():
     made = parser(__doc__, ".", "[FILE]", "seal-mdao studio bulb.toml")
     made.add_argument(
         "file", type=Path, nargs="?", metavar="FILE",
-        help="seal file (TOML), whose folder is read and written in place of --out",
+        help="seal file (TOML); its folder is read and written instead of --out",
     )  # fmt: skip
-    made.add_argument("--port", type=port, default=0, metavar="N", help="0 for any that is free")
+    made.add_argument(
+        "--port", type=port, default=0, metavar="N", help="port of the server; 0: any free"
+    )
     made.add_argument("--no-browser", action="store_true", help="print the address only")
     return made

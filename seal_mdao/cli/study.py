@@ -217,11 +217,11 @@ def arguments_parser():
     add_tolerance_arguments(made)
     # design of experiments
     made.add_argument("--method", choices=METHODS, default=METHODS[0], help="method of sampling")
-    made.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples")
+    made.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the samples")
     made.add_argument(
         "--overwrite",
         action="store_true",
-        help="start again; a study in --out is continued without",
+        help="start again instead of continuing the study in --out",
     )
     made.add_argument(
         "--design", type=existing_file, metavar="FILE",

@@ -214,10 +214,10 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vary", nargs=2, action=_Vary, required=True, metavar=("NAME", "VALUES"),
-        help="what varies, and its values, evenly spread (FROM:TO:COUNT) or listed (0.1,0.2,0.5): a "
+        help="varied quantity and its values, evenly spread (FROM:TO:COUNT) or listed (0.1,0.2,0.5): a "
         "parameter of the seal or the end of its name (friction, c10), the travel of a profile in mm "
         "(travel: that of its first stage, others in proportion), or a number of the file by its path "
         "(material.rubber.c10, section.spacing, profile.door.start.2; rows by their names or numbers). "
-        "A wrong name lists what there is; `seal-mdao keys` has all keys with their units",
+        "A wrong name lists the quantities; `seal-mdao keys` has all keys with their units",
     )  # fmt: skip
     return made

@@ -68,10 +68,14 @@ def add_tolerance_arguments(made) -> None:
     """Add the arguments for seal, tolerances and samples."""
     add = made.add_argument
     add(
-        "file", type=Path, nargs="?", metavar="FILE", help="seal file (TOML); the door seal without"
+        "file",
+        type=Path,
+        nargs="?",
+        metavar="FILE",
+        help="seal file (TOML); default: the door seal",
     )
     add(
         "--tolerances", type=existing_file, metavar="FILE",
         help="tolerances (TOML) in place of [tolerance] of the seal file, or those of the door seal",
     )  # fmt: skip
-    add("--samples", type=positive_integer, default=1000, metavar="N", help="how many")
+    add("--samples", type=positive_integer, default=1000, metavar="N", help="number of samples")
