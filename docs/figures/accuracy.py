@@ -34,7 +34,7 @@ def make(out: Path, reduced: bool) -> dict:
     return numbers | {name: value for part in parts for name, value in part(out).items()}
 
 
-WORST = "worst error of the reaction (%)"
+WORST = "largest error of the reaction (%)"
 
 
 def _lines(path: Path, label: str, lines: dict, value: str = WORST, ticks=None) -> None:
@@ -101,7 +101,7 @@ def _bending(out: Path) -> dict:
         name: (study.ACROSS, [stored("bending_error", across=n, support=s) for n in study.ACROSS])
         for name, s in (("round 2", study.ROUND), ("product 1.8, 2.5", study.PRODUCT))
     }
-    value = "worst error of the moment (%)"
+    value = "largest error of the moment (%)"
     _lines(out / "error_bending.png", "cells across the block", lines, value, study.ACROSS)
     rows = [[name, *map(percent, found)] for name, (_, found) in lines.items()]
     return {"bending_table": table(["kernels", *(f"{n} cells" for n in study.ACROSS)], rows)}
@@ -169,14 +169,14 @@ def _steps(out: Path) -> dict:
     lines = {
         "measures, equal steps": (study.EQUAL_STEPS, measures),
         "forces, equal steps": (study.EQUAL_STEPS, forces),
-        "measures and forces, chosen steps": ([own["steps"] for own in chosen],
-                                              [own["own"] for own in chosen]),
+        "measures and forces, automatic steps": ([own["steps"] for own in chosen],
+                                                 [own["own"] for own in chosen]),
     }  # fmt: skip
     value = "difference from four times as many (%)"
     _lines(out / "error_steps.png", "load steps", lines, value)
     rows = [[f"{own['steps']} equal", *_differences(own)] for own in equal]
     rows += [
-        [f"{own['steps']} chosen for {percent(t, 1)}", *_differences(own)]
+        [f"{own['steps']} automatic, tolerance {percent(t, 1)}", *_differences(own)]
         for t, own in zip(study.TOLERANCES, chosen, strict=True)
     ]
     examples = []
@@ -185,10 +185,11 @@ def _steps(out: Path) -> dict:
         ratio = f"{own['ratio']:.3g}"
         examples.append([f"`{path.stem}`", own["steps"], ratio, *_differences(own), own["solved"]])
     head = [
-        "file", "load steps", "longest over shortest", "measures", "forces", "solved for the choice",
+        "file", "load steps", "longest over shortest", "error of measures", "error of forces",
+        "steps solved for the choice",
     ]  # fmt: skip
     return {
-        "steps_table": table(["load steps", "measures", "forces"], rows),
+        "steps_table": table(["load steps", "error of measures", "error of forces"], rows),
         "examples_steps_table": table(head, examples),
     }
 
@@ -208,8 +209,9 @@ def _penalties() -> dict:
         largest = f"{both[0]['penalty']:.2g}"
         rows.append([f"`{name}`", f"{exact:.1f}", percent(uncertain, 2), largest, *cells])
     head = [
-        "section", "finite elements (N/m)", "their uncertainty", "normal penalty chosen (kPa/mm)",
-        "error", "estimated part of it", "error with 10⁴, 10² kPa/mm", "estimated part of it",
+        "section", "finite elements (N/m)", "their uncertainty", "automatic normal penalty (kPa/mm)",
+        "error", "estimated error of the penalties", "error with 10⁴, 10² kPa/mm",
+        "estimated error of the penalties",
     ]  # fmt: skip
     return {"sections_table": table(head, rows)}
 
@@ -246,8 +248,8 @@ def _preset(repeats: int) -> dict:
             f"{times[name] / times['paper']:.2f}",
         ])  # fmt: skip
     head = [
-        "accuracy", "particles", "worst error, flat door", "corner door", "largest gap (mm)",
-        "difference from the elements", "time",
+        "accuracy", "particles", "largest error, flat door", "error, corner door", "largest gap (mm)",
+        "error of the gap", "relative time",
     ]  # fmt: skip
     at = {
         f"at_{points}": percent(
@@ -282,7 +284,7 @@ def _rays() -> dict:
         for points in COMPARED
     }
     return {
-        "rays_table": table(["radial rows", "at the particles", "at the edges"], rows),
+        "rays_table": table(["radial rows", "contact at particles", "contact at edges"], rows),
         "rays_apart": percent(found[study.RAYS[0]]["apart"]),
         **{f"gap_at_{points}": percent(abs(gap / GAP - 1.0)) for points, gap in gaps.items()},
     }
@@ -295,5 +297,8 @@ def _files() -> dict:
         own = stored("file_errors", name=name)
         found = [percent(error) for error in own["errors"]]
         rows.append([name, own["particles"], *found, *["–"] * (3 - len(found))])
-    head = ["file", "particles", "linear, 2.2, as in files", "quadratic, 2.6", "linear, at edges"]
+    head = [
+        "file", "particles", "linear, support 2.2 (default)", "quadratic, support 2.6",
+        "linear, contact at edges",
+    ]  # fmt: skip
     return {"files_table": table(head, rows)}

@@ -16,7 +16,7 @@ from seal_mdao.seals.path_times import times_at
 NAME, _ = LIMITED[BLIND]
 SHOWN = {
     f"after ten years ({NAME})": (NAME, BLUE, "-"),
-    "when it is closed": (BLIND, VERMILION, "--"),
+    "at closing": (BLIND, VERMILION, "--"),
 }
 """Time of the limit: the stored optimum, color and line."""
 MEASURES = "section_area", "closing_force", "force_after_ten_years"
@@ -54,5 +54,8 @@ def make(out: Path, reduced: bool) -> dict:
         axes.set(xlabel="time", ylabel="force on door (N/m)", xlim=(0.1, 5.0 * TICKS[-1]))
         axes.set_ylim(0.0, 1.1 * axes.get_ylim()[1])
         axes.legend()
-    head = "limit on the force", "area (mm²)", "force when closed (N/m)", "after ten years (N/m)"
+    head = (
+        "limit on the force", "area (mm²)", "force at closing (N/m)",
+        "force after ten years (N/m)",
+    )  # fmt: skip
     return {"optima": table(head, rows)}

@@ -34,7 +34,7 @@ def _patch(out: Path) -> dict:
         for order in (1, 2):
             found = patch_test(traction, order)
             worst = max(worst, *found)
-            where = "displacements and tractions" if traction else "displacements all round"
+            where = "displacements and tractions" if traction else "displacements on all sides"
             basis = ("linear", "quadratic")[order - 1]
             rows.append([where, basis, power(found.displacement), power(found.stress)])
     _patch_picture(out / "patch.png")
@@ -63,7 +63,7 @@ def _contact_patch(out: Path) -> dict:
     for order in (1, 2):
         patch, error = slid("averages", 0.25, order)
         worst = max(worst, pressed("averages", 0.25, order).deviation, patch.deviation, error)
-    curves(out / "contact_patch.png", "place along the plate (mm)", "contact pressure / mean", [
+    curves(out / "contact_patch.png", "position along the plate (mm)", "contact pressure / mean", [
         (own.place, own.pressure / own.pressure.mean(), style, color, f"contact at {kind}")
         for (kind, own), style, color in zip(
             found.items(), ("s--", "o-"), (VERMILION, BLUE), strict=True
@@ -177,5 +177,5 @@ def _flexure(out: Path, reduced: bool) -> dict:
     curves(out / "flexure.png", *labels, [
         (degrees, own.exact, "-", GREY, "exact"), (degrees, own.moment, "o", BLUE, "computed"),
     ])  # fmt: skip
-    head = ["bulk / shear modulus", "largest error of the moment", "misplacement / thickness"]
+    head = ["bulk / shear modulus", "largest error of the moment", "position error / thickness"]
     return {"flexure": percent(worst), "flexure_table": table(head, rows)}

@@ -142,7 +142,7 @@ def _times(rungs: dict) -> str:
             cells += [f"{peer[kind]} {kind}", own_error, f"{peer['seconds']:.2f}", f"{ratio:.1f}"]
             rows.append(cells)
     head = ["benchmark", "section", "particles", "error", "time (s)"]
-    return table([*head, "mesh", "its error", "its time (s)", "ratio"], rows)
+    return table([*head, "mesh", "error of the mesh", "time of the mesh (s)", "time ratio"], rows)
 
 
 def _stability(stored: list) -> str:
@@ -156,8 +156,8 @@ def _stability(stored: list) -> str:
             "({:.1f}, {:.1f}) mm".format(*own["at"]),
             "none up to 2.2 mm" if end is None else f"{end:.2f} mm",
         ])  # fmt: skip
-    head = ["particles", "change of the least eigenvalue from the first load step to 1.1 mm"]
-    head += ["stretch of 0.647 at a travel of", "where", "end of the branch"]
+    head = ["particles", "change of the smallest eigenvalue from the first load step to 1.1 mm"]
+    head += ["travel at a stretch of 0.647", "location", "travel at the end of the branch"]
     return table(head, rows)
 
 

@@ -40,10 +40,13 @@ def make(out: Path, reduced: bool) -> dict:
 def _text(history, initial, final) -> str:
     ratio = 100 * history.objective_ratio
     below = np.flatnonzero(ratio <= 0.75)
-    reached = f"is below 0.75 % after {below[0]} of them and " if below.size else ""
+    reached = ""
+    if below.size:
+        reached = f"After {below[0]} iterations the cost is below 0.75 % of its start. "
     return (
-        f"{OPTIMIZER} from zero offsets takes {len(ratio) - 1} major iterations and "
-        f"{history.evaluations} analyses. The cost {reached}ends at {ratio[-1]:.2g} % of its start "
+        f"Starting from zero offsets, {OPTIMIZER} takes {len(ratio) - 1} major iterations and "
+        f"{history.evaluations} analyses. {reached}The final cost is "
+        f"{ratio[-1]:.2g} % of its start "
         f"({initial.gap_square_sum:.4f} to {final.gap_square_sum:.2e} mm²), with a largest relative "
         f"constraint violation of {history.max_violation[-1]:.1e}. The vertical reaction changes "
         f"from {initial.reaction[-1, 1]:.1f} to {final.reaction[-1, 1]:.1f} N/m. The paper reports "

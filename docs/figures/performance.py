@@ -41,7 +41,7 @@ def make(out: Path, reduced: bool) -> dict:
             n, time = _by_particles(growth, kind)
             left.loglog(n, time, "o-", color=color, label=kind)
             left.loglog(n, time[0] * n / n[0], "--", color=GREY)
-        left.plot([], [], "--", color=GREY, label="proportional to the particles")
+        left.plot([], [], "--", color=GREY, label="proportional to the number of particles")
         left.set(xlabel="particles", ylabel="time, ms")
         for method, color in (("direct", VERMILION), ("adjoint", BLUE)):
             right.semilogx(*_by_particles(shares, method), "o-", color=color, label=method)

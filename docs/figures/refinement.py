@@ -160,7 +160,7 @@ def _corner_picture(path: Path, found) -> None:
         axes.set_xlim(0.0, 1.05)
         axes.set_xticks(spacing, [f"{s.rays} × {s.layers}" for s in found], rotation=25)
         axes.set(
-            xlabel="particles, at their spacing around the ring",
+            xlabel="particles, positioned by the spacing around the ring",
             ylabel="value / finest value",
         )
         axes.legend()

@@ -36,7 +36,7 @@ def _elements() -> dict:
             ])  # fmt: skip
     head = [
         "body and compression", "spacing, particles", "error of the force",
-        "error of the peak pressure", "uncertainty of the elements' force",
+        "error of the peak pressure", "uncertainty of the finite element force",
     ]  # fmt: skip
     return {"elements_table": table(head, rows)}
 

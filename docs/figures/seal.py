@@ -72,7 +72,7 @@ def _newton(path: Path, result: SealResult) -> None:
     travel, steps = result.travel, result.path.nominal_steps
     with picture(path, 1, 2, width=9.6, height=3.5) as (left, right):
         left.bar(travel, result.newton_iterations, width=0.09, color=BLUE)
-        left.set(xlabel="door travel from first touch (mm)", ylabel="Newton iterations")
+        left.set(xlabel="door travel from first contact (mm)", ylabel="Newton iterations")
         iterations = result.newton_iterations.sum()
         left.set_title(f"{iterations} iterations, {result.step_cuts} cut steps", fontsize=10)
         shown = np.linspace(8, len(steps) - 1, 5).astype(int)

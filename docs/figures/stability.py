@@ -70,8 +70,8 @@ def _corners(out, reduced) -> dict:
             f"{largest.released:.2f}", f"{result.reaction[-1, 1]:.1f}",
         ])  # fmt: skip
     head = [
-        "`corner_x` (mm)", "first critical travel (mm)", "critical points", "largest jump at (mm)",
-        "releases (mJ/m)", "force at 10 mm (N/m)",
+        "`corner_x` (mm)", "first critical travel (mm)", "critical points",
+        "travel at the largest jump (mm)", "its released energy (mJ/m)", "force at 10 mm (N/m)",
     ]  # fmt: skip
     return {"corner_table": table(head, rows)}
 
@@ -84,7 +84,7 @@ def _clouds(reduced) -> dict:
         )
         points = analyze(seal).critical_points
         rows.append([f"{rays} × {layers}", ", ".join(f"{p.travel:.2f}" for p in points)])
-    return {"cloud_table": table(["particles", "critical travels up to 4.9 mm"], rows)}
+    return {"cloud_table": table(["particles", "critical travel (mm), up to 4.9 mm"], rows)}
 
 
 @captioned_body("shallow arch")
@@ -99,7 +99,7 @@ def _arch(out, reduced) -> dict:
             percent(arch.load - 1.0),
         ])  # fmt: skip
     _shapes(out / "stability_arch.png", arches)
-    head = ["rise", "first", "R of Fung and Kaplan", "error of the load"]
+    head = ["rise", "instability", "R of Fung and Kaplan", "error of the load"]
     return {"arch_table": table(head, rows), "arch_energy": percent(arches[0].released - 1.0)}
 
 

@@ -71,7 +71,7 @@ def make(out: Path, reduced: bool) -> dict:
     _picture(out / "straddling.png", radii, (low, high), origin, shown)
     beyond = case(high)
     check = at_step(beyond, PARAMETER, "forward", 1e-6)
-    head = ["step (mm)", "states that differ", "difference quotient", "relative error"]
+    head = ["step (mm)", "changed contact states", "difference quotient", "relative error"]
     return {
         "straddle_radius": f"{0.5 * (low + high):.6f}",
         "straddle_where": changed_points(case(low), beyond),
@@ -100,9 +100,9 @@ def _picture(path: Path, radii, change, origin: Case, quotients: dict) -> None:
             color = VERMILION if radius + step > high else GREY
             look = {"color": color, "linewidth": 1.4, "marker": "|", "markersize": 7}
             right.plot([radius - step, radius + step], [quotient, quotient], **look)
-        right.plot([], [], color=VERMILION, marker="|", label="difference across the change")
-        right.plot([], [], color=GREY, marker="|", label="difference beside it")
-        right.set_ylabel("its derivative (mm)")
+        right.plot([], [], color=VERMILION, marker="|", label="quotient across the kink")
+        right.plot([], [], color=GREY, marker="|", label="quotient on one side")
+        right.set_ylabel("derivative of this sum (mm)")
         for axes in panels:
             axes.axvline(0.5 * (low + high), color=GREY, linestyle=":", linewidth=1.0)
             axes.set(xlabel="door radius (mm)", xlim=(radii[0] - 3e-4, radii[-1] + 3e-4))
