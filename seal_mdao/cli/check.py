@@ -1,11 +1,11 @@
 """Read a seal file, fill its section with particles, draw it, and estimate the time of an analysis.
 
-Nothing is analysed: load steps and penalties that the file leaves open are not chosen yet. The time of
-their choice is estimated from the paths before the last one, which is the analysis itself: one of
-``COARSE`` load steps, and another of twice as many where load steps are chosen. Steps that are cut,
-losses of stability and further paths are not foreseen. Measured times are 1 to 4 times the estimates in
-the examples without them, and 15 times that of the car door seal, which snaps through. An analysis says
-how much time is left, by what it has measured, from its second path on.
+The command runs no analysis, so load steps and penalties that the file does not give are not chosen.
+The time of their choice is estimated as that of one analysis with ``COARSE`` load steps, and, if load
+steps are chosen, of another one with twice as many. The estimate does not include cut steps, losses of
+stability and further analyses. Measured times are 1 to 4 times the estimate in the examples without
+these, and 15 times for the car door seal, which snaps through. While load steps and penalties are
+chosen, `analyze` shows the remaining time from the second analysis on.
 """
 
 from pathlib import Path
