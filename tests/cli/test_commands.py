@@ -496,7 +496,7 @@ def test_keys_are_those_of_the_page(capsys):
     assert main(["keys", "cavity"]) == 0
     said = capsys.readouterr().out
     assert "  pressure [101.325]: a number above 0 (kPa)" in said
-    assert "absolute pressure outside, and initial pressure inside" in said
+    assert "absolute pressure outside, and inside at the start" in said
     assert main(["keys", "hyperfoam"]) == 0
     assert "law hyperfoam, fitted to tests" in capsys.readouterr().out
     with pytest.raises(SystemExit):
