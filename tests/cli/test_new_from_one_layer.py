@@ -100,6 +100,32 @@ def test_one_layer_around_two_rubbers_gets_edges_and_keeps_the_line_between_them
     assert region.at == pytest.approx((10.0, 5.0))
 
 
+@pytest.mark.parametrize("options", [[], ["--parting", "JOINT"]], ids=["found", "given"])
+def test_a_line_across_the_hole_stays_beside_edges_of_one_layer(
+    tmp_path, monkeypatch, capsys, options
+):
+    """Outside and hole are on one layer; the line between rubbers begins at corners of the outside."""
+    ezdxf = pytest.importorskip("ezdxf")
+    monkeypatch.chdir(tmp_path)
+    draw("bulb.dxf", centre_line=False)
+    document = ezdxf.readfile("bulb.dxf")
+    model = document.modelspace()
+    model.query("CIRCLE").first.dxf.center = (0, 5.5)
+    model.add_line((-4, 2), (4, 2), {"layer": "JOINT"})
+    document.saveas("bulb.dxf")
+    assert main(["new", "mine", "--from", "bulb.dxf", *options]) == 0
+    assert "lines between rubbers, from JOINT, are on parting" in capsys.readouterr().out
+    section = sm.read_seal_file("mine.toml").section
+    assert section.outline.edge_names == (
+        "base", "edge_1", "edge_2", "edge_3", "edge_4", "edge_5", "hole_1",
+    )  # fmt: skip
+    # the hole is 3.5 mm below its centre at the height of the line
+    half = math.sqrt(3.9**2 - 3.5**2)
+    ends = sorted(x for line in section.parting for x, _ in (line[0], line[-1]))
+    assert ends == pytest.approx([-4.0, -half, half, 4.0], abs=1e-5)
+    assert len(section.regions) == 1
+
+
 def test_a_drawing_that_is_no_section_is_refused_as_before(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     draw("bulb.dxf", gap=0.5, centre_line=False)

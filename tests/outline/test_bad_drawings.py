@@ -186,7 +186,7 @@ BAD = {
     "block in itself": (block_in_itself, "contains itself"),
     "an open line on another layer": (
         add("add_line", (2, 2), (8, 2)),
-        "(layers read as boundary: seal, extra; name other layers in parting of",
+        "(layers read as boundary: seal, extra; name layers of lines between rubbers in parting of",
     ),
     "line of no length": (add("add_line", (3, 3), (3, 3)), "a line from (3, 3) to itself has no"),
     "NaN": (add("add_line", (3, 3), (3, np.nan)), "is not finite"),

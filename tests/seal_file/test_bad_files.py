@@ -57,7 +57,7 @@ bulk_modulus = 8e4
 [[section.region]]
 material = "foot"
 at = [0.0, 1.0]
-line = [[-4.0, 0.0], [1.0, 0.0]]
+line = [[-4.0, 0.0], [0.0, 2.5]]
 """
 FITTED = '[material.rubber]\nlaw = "yeoh"\ndata = "tests.csv"\n'
 YEOH = """[material.rubber]
@@ -92,7 +92,8 @@ BAD = {
     "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
     "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
                       "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of"),
-    "region off": (FIXED, REGION + FIXED, "[[section.region]] 1: line ends at (1, 0), where no"),
+    "region off": (FIXED, REGION.replace("2.5]", "1.0]") + FIXED,
+                   "[[section.region]] 1: line ends at (0, 1), 1 mm away from the boundary"),
     "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
                        "[[section.region]] 1: material = 'foo', but there is no such material"),
     "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,

@@ -116,6 +116,64 @@ def test_a_design_of_two_rubbers_keeps_its_parting_line(block, tmp_path):
     assert fresh.reaction[-1, 1] == pytest.approx(result.reaction[-1, 1], rel=0.02)
 
 
+ACROSS = [(0.0, 3.0), (4.0, 2.8), (8.0, 3.0)]
+"""A line through a hole of radius 1 mm about (4, 2.5)."""
+
+
+@pytest.fixture(params=["layer", "line"])
+def across(block, request):
+    """The block with a hole that the line between its rubbers crosses: in the drawing or the file."""
+    document = ezdxf.readfile(block.with_suffix(".dxf"))
+    model = document.modelspace()
+    model.delete_entity(model.query("LWPOLYLINE").first)
+    model.add_circle((4.0, 2.5), 1.0, {"layer": "cavity"})
+    changes = []
+    if request.param == "layer":
+        model.add_lwpolyline(ACROSS, dxfattribs={"layer": "split"})
+    else:
+        line = f'material = "stiff"\nline = {[*map(list, ACROSS)]}\n'
+        changes = [('parting = ["split"]\n', ""), ('material = "stiff"\n', line)]
+    document.saveas(block.with_suffix(".dxf"))
+    return read(block, *changes)
+
+
+def test_a_line_between_rubbers_is_trimmed_at_a_hole(across):
+    """The line is not divided elsewhere, its ends on the hole are those of the drawing."""
+    left, right = across.section.cuts
+    # |(4 - 4 t, 2.8 + 0.2 t) - (4, 2.5)| = 1:  16.04 t^2 + 0.12 t - 0.91 = 0
+    t = (np.sqrt(0.12**2 + 4.0 * 16.04 * 0.91) - 0.12) / (2.0 * 16.04)
+    ends = np.array([[4.0 - 4.0 * t, 2.8 + 0.2 * t], [4.0 + 4.0 * t, 2.8 + 0.2 * t]])
+    np.testing.assert_allclose(left, [ACROSS[0], ends[0]], rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(right, [ends[1], ACROSS[2]], rtol=0.0, atol=1e-5)
+    seal = unchosen_seal(across)
+    soft, stiff = seal.definitions[0].regions
+    corners = seal.nominal_particles[seal.body.cells]
+    above = corners[..., 1] - 2.8 - 0.05 * np.abs(corners[..., 0] - 4.0)
+    middles = corners[..., 0].mean(axis=1)
+    beside = np.abs(middles - 4.0) > 1.0
+    assert beside[soft.cells].any()
+    assert beside[stiff.cells].any()
+    assert above[soft.cells][beside[soft.cells]].min() > -1e-5
+    assert above[stiff.cells][beside[stiff.cells]].max() < 1e-5
+
+
+def test_a_design_keeps_a_line_across_a_hole(across, tmp_path):
+    pytest.importorskip("meshio")
+    pytest.importorskip("tomli_w")
+    seal = sm.build_seal(across)
+    offsets = np.array([0.2, -0.1, 0.15, 0.1])
+    written = write_design(across, seal, offsets, frozen_measures(seal), tmp_path, "best")[0]
+    design = sm.read_seal_file(written)
+    again = sm.build_seal(design)
+    np.testing.assert_array_equal(again.parts, seal.parts)
+    # two parts, from the sides to the particles on the hole
+    moved = seal.particles(offsets)
+    for line, nominal in zip(design.section.cuts, across.section.cuts, strict=True):
+        for end in (0, -1):
+            own = np.hypot(*(seal.nominal_particles - nominal[end]).T).argmin()
+            np.testing.assert_allclose(line[end], moved[own], rtol=0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize(("changes", "words"), [
     ([('[[section.region]]\nmaterial = "stiff"\n', "")], "parting without [[section.region]]"),
     ([('parting = ["split"]\n', "")], "layers read as boundary"),

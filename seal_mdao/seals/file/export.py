@@ -4,6 +4,7 @@ import os
 import re
 import tomllib
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -104,7 +105,8 @@ def write_design(
     given["section"] = section | {"dxf": paths[1].name, "cloud": paths[2].name}
     if between:
         given["section"]["parting"] = between
-    _move_regions(section.get("region", []), lines[drawn:], seal, offsets)
+    counts = [len(own) for own in file.section.region_lines]
+    _move_regions(section.get("region", []), counts, lines[drawn:], seal, offsets)
     # tests of materials and target curves stay where they are, relative to the new file
     for own in (*given["material"].values(), *given.get("measure", ())):
         if "data" in own:
@@ -156,12 +158,16 @@ def _moved_lines(seal, offsets) -> list:
     return found
 
 
-def _move_regions(regions, lines, seal, offsets) -> None:
-    """Move points in regions, and the lines between them, with the particles of the design."""
+def _move_regions(regions, counts, lines, seal, offsets) -> None:
+    """Move points in regions, and the lines between them, with the particles of the design.
+
+    ``counts`` are the numbers of parts of the line of every region, in the order of ``lines``.
+    """
     particles, lines = seal.particles(offsets), iter(lines)
-    for number, region in enumerate(regions, 1):
-        if "line" in region:
-            region["line"] = next(lines).tolist()
+    for number, (region, count) in enumerate(zip(regions, counts, strict=True), 1):
+        if count:
+            # one line across the holes between its parts, which are left out again when it is read
+            region["line"] = np.concatenate([*islice(lines, count)]).tolist()
         # the centre of a cell is inside its part
         cell = seal.body.cells[np.flatnonzero(seal.parts == number)[0]]
         region["at"] = particles[cell].mean(axis=0).tolist()

@@ -194,10 +194,8 @@ class SealFile:
         prefix = f"{section.material}_" if several else ""
         rest = self._region(section.material, prefix, lines=section.parting)
         return [rest] + [
-            self._region(
-                own.material, f"{own.material}_", own.at, () if own.line is None else (own.line,)
-            )
-            for own in section.regions
+            self._region(own.material, f"{own.material}_", own.at, lines)
+            for own, lines in zip(section.regions, section.region_lines, strict=True)
         ]
 
     def _region(self, name: str, prefix: str, at=None, lines=()) -> SectionRegion:

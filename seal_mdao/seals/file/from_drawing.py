@@ -13,7 +13,6 @@ from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.outline.dxf import (
     Drawing,
     boundary_layers,
-    read_by_corners,
     read_drawing,
     write_dxf,
 )
@@ -151,69 +150,66 @@ def _read(path, units, parting, ignore, layered: Path, report) -> tuple[Path, Dr
 
     A drawing whose layers are not edges is written again to ``layered``, which is returned as its path.
     """
+    refused = None
     try:
         found = [(read_drawing(path, units, parting, ignore), parting, ignore)]
-    except GeometryError:
-        found = _other_readings(path, units, parting, ignore)
-        if not found and not parting:
-            # whatever the layers are
-            written = _write_layers(path, units, ignore, layered, report)
-            if written is not None:
-                return layered, written, [], []
-        # several layers, or none, with which the others are a section: the first error says more
-        if len(found) != 1:
-            raise
-    drawing, parting, ignore = found[0]
-    # one layer around all of the outside: no edge of it could be fixed and another pressed
-    if len(drawing.outline.outer.edge_names) == 1:
-        written = _write_layers(path, units, [*ignore, *parting], layered, report, drawing)
+    except GeometryError as error:
+        refused, found = error, _other_readings(path, units, parting, ignore)
+    # layers that are no edges, or one around all of the outside: no edge of it could be fixed and
+    # another one pressed
+    if not found or all(len(own.outline.outer.edge_names) == 1 for own, _, _ in found):
+        written = _write_layers(path, units, parting, ignore, layered, report)
         if written is not None:
-            return layered, written, [PARTING] if drawing.parting else [], []
+            return layered, written, [PARTING] if written.parting else [], []
+    if len(found) != 1:
+        # several layers, or none, with which the others are a section: the first error says more
+        raise refused
+    drawing, parting, ignore = found[0]
     return path, drawing, parting, ignore
 
 
-def _write_layers(
-    path, units, ignore, layered: Path, report, drawing: Drawing | None = None
-) -> Drawing | None:
+def _write_layers(path, units, parting, ignore, layered: Path, report) -> Drawing | None:
     """Write the section of a drawing, whatever its layers are, with a layer for every edge between
-    corners, and read it; None where the drawing is no section, or its outside has no corners.
-
-    Lines between rubbers and texts are those of ``drawing``.
-    """
-    for more in ((), _annotation(path)):
-        try:
-            outline = read_by_corners(path, units, [*ignore, *more])
-        except GeometryError:
-            continue
-        if len(outline.outer.edge_names) == 1:
-            return None
-        if layered.exists():
-            raise SealFileError(
-                f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
-                "layer of its own; take another name"
-            )
-        lines = {PARTING: drawing.parting} if drawing is not None and drawing.parting else {}
-        write_dxf(outline, layered, lines)
-        report(
-            f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
-            f"a layer of its own, {', '.join(outline.edge_names)}"
+    corners and one for the lines between rubbers, and read it; None where the drawing is no section,
+    where several layers may be lines between rubbers, or where its outside has no corners."""
+    try:
+        found = [(read_drawing(path, units, parting, ignore, by_corners=True), parting, ignore)]
+    except GeometryError:
+        found = _other_readings(path, units, parting, ignore, by_corners=True)
+    if len(found) != 1 or len(found[0][0].outline.outer.edge_names) == 1:
+        return None
+    drawing, parting, _ = found[0]
+    if layered.exists():
+        raise SealFileError(
+            f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
+            "layer of its own; take another name"
         )
-        written = read_drawing(layered, parting=list(lines))
-        return written if drawing is None else written._replace(texts=drawing.texts)
-    return None
+    lines = {PARTING: drawing.parting} if drawing.parting else {}
+    write_dxf(drawing.outline, layered, lines)
+    between = (
+        f"; lines between rubbers, from {', '.join(parting)}, are on {PARTING}" if lines else ""
+    )
+    report(
+        f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
+        f"a layer of its own, {', '.join(drawing.outline.edge_names)}{between}"
+    )
+    # texts, and what was left out, are those of the drawing as it was given
+    written = read_drawing(layered, parting=list(lines))
+    return written._replace(texts=drawing.texts, left_out=drawing.left_out)
 
 
-def _other_readings(path, units, parting, ignore) -> list[tuple]:
+def _other_readings(path, units, parting, ignore, by_corners=False) -> list[tuple]:
     """List the readings of a drawing, each with its parting layers and the layers left out: with a
     single layer of parting lines, without the layers that are annotation by their names, or both."""
     annotation = _annotation(path)
     without = [*ignore, *(own for own in annotation if own not in (*parting, *ignore))]
-    found = [] if parting else _readable(path, units, ignore)
+    found = [] if parting else _readable(path, units, ignore, by_corners)
     if not found and annotation:
         try:
-            found = [(read_drawing(path, units, parting, without), parting, without)]
+            drawing = read_drawing(path, units, parting, without, by_corners)
+            found = [(drawing, parting, without)]
         except GeometryError:
-            found = [] if parting else _readable(path, units, without)
+            found = [] if parting else _readable(path, units, without, by_corners)
     return found
 
 
@@ -222,14 +218,15 @@ def _annotation(path) -> list[str]:
     return [own for own in boundary_layers(path) if ANNOTATION.search(own)]
 
 
-def _readable(path, units, ignore) -> list[tuple]:
+def _readable(path, units, ignore, by_corners) -> list[tuple]:
     """List the readings of a drawing in which a single layer holds parting lines."""
     found = []
     for layer in boundary_layers(path):
         if layer in ignore:
             continue
         try:
-            found.append((read_drawing(path, units, [layer], ignore), [layer], ignore))
+            drawing = read_drawing(path, units, [layer], ignore, by_corners)
+            found.append((drawing, [layer], ignore))
         except GeometryError:
             continue
     return found

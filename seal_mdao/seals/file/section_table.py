@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from dataclasses import asdict, dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated
 
@@ -12,11 +13,11 @@ from seal_mdao.errors import GeometryError, SealFileError
 from seal_mdao.seals.file.forms import Distances, Point, Points, Text, many, number, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
-from seal_mdao.seals.outline.chain import ROUNDING
 from seal_mdao.seals.outline.cloud_file import read_cloud
 from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import Drawing, read_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
+from seal_mdao.seals.outline.parting import check_uncrossed, trimmed
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
@@ -93,9 +94,9 @@ class RegionTable(Table):
         None,
     )
     line: Points | None = key(
-        "line that divides the part from the remaining section, from one end of a segment of "
-        "the boundary to another; optional for a complete body, and if a drawing has parting "
-        "lines",
+        "line that divides the part from the remaining section, from one point of the boundary to "
+        "another; parts of the line in holes are left out; optional for a complete body, and if a "
+        "drawing has parting lines",
         None,
     )
 
@@ -198,11 +199,17 @@ class WrittenSection(Table):
         else:
             layers = self.parting or (), self.ignore or ()
             drawing = _other_file("dxf", read_drawing, folder / self.dxf, self.units, *layers)
-        outline = drawing.outline
-        regions = tuple(
-            _to_joints(_placed(f"[[section.region]] {i}", region, drawing), outline)
-            for i, region in enumerate(self.region or (), 1)
-        )
+        outline, regions, lines = drawing.outline, [], []
+        for i, region in enumerate(self.region or (), 1):
+            where = f"[[section.region]] {i}"
+            regions.append(_placed(where, region, drawing))
+            # a line divides the segments of the boundary that it meets
+            outline, parts = _trimmed(where, region.line, outline)
+            lines.append(tuple(parts))
+        try:
+            check_uncrossed([*drawing.parting, *chain.from_iterable(lines)])
+        except GeometryError as error:
+            raise SealFileError(f"[section]: {error}") from None
         # the largest distance of particles, the rays that they lie on, or they themselves
         filling = self.spacing
         if self.rays is not None:
@@ -213,8 +220,9 @@ class WrittenSection(Table):
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
         layers = LAYERS if self.layers is None else self.layers
         return SectionTable(
-            outline, self.material or materials[0], filling, *beside, regions, layers, drawing.parting,
-            drawing.notice, self.edge_spacing or {}, self.quadrature or Kernels.n_gauss,
+            outline, self.material or materials[0], filling, *beside, tuple(regions), layers,
+            drawing.parting, drawing.notice, self.edge_spacing or {},
+            self.quadrature or Kernels.n_gauss, tuple(lines),
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -260,6 +268,8 @@ class SectionTable:
         Largest distance of particles along edges by their names, mm, beside ``spacing``.
     quadrature : int
         Gauss points along each direction of a cell, where a spacing fills the section.
+    region_lines : tuple of tuple of ndarray, shape (k, 2)
+        Parts of the line of every region that lie in the section, mm.
     """
 
     outline: Outline
@@ -273,12 +283,12 @@ class SectionTable:
     notice: str = ""
     edge_spacing: dict[str, float] = field(default_factory=dict)
     quadrature: int = Kernels.n_gauss
+    region_lines: tuple = ()
 
     @property
     def cuts(self) -> list:
         """Lines (k, 2) that divide the section: those of the drawing, then those of the regions."""
-        own = [np.array(region.line) for region in self.regions if region.line is not None]
-        return [*self.parting, *own]
+        return [*self.parting, *chain.from_iterable(self.region_lines)]
 
 
 def _other_file(key_, read, *arguments):
@@ -311,24 +321,16 @@ def _placed(where: str, region: RegionTable, drawing: Drawing) -> RegionTable:
     return replace(region, at=named[0])
 
 
-def _to_joints(region: RegionTable, outline: Outline) -> RegionTable:
-    """Move the ends of the line of a region to the joints of the boundary that they are drawn at."""
-    if region.line is None:
-        return region
-    line = list(region.line)
-    for end in (0, -1):
-        joint, away = _nearest_joint(line[end], outline)
-        # equal up to rounding: the point of the file stays
-        if ROUNDING < away <= JOIN:
-            line[end] = tuple(joint.tolist())
-    return replace(region, line=tuple(line))
-
-
-def _nearest_joint(point, outline: Outline) -> tuple[np.ndarray, float]:
-    """Find the joint of segments nearest to a point, and its distance, mm."""
-    joints = np.array([segment.start for c in outline.contours for segment in c.segments])
-    away = np.hypot(*(joints - point).T)
-    return joints[away.argmin()], away.min()
+def _trimmed(where: str, line, outline: Outline) -> tuple[Outline, list]:
+    """Trim the line of a region at the boundary, which it divides; no parts without a line."""
+    if line is None:
+        return outline, []
+    if len(line) == 2 and np.hypot(*np.subtract(*line)) <= JOIN:
+        raise SealFileError(f"{where}: line begins and ends at {pair(line[0])}")
+    try:
+        return trimmed(outline, line)
+    except GeometryError as error:
+        raise SealFileError(f"{where}: line {error}") from None
 
 
 def check_section(file) -> None:
@@ -392,19 +394,9 @@ def _check_edge_spacing(section) -> None:
 
 
 def _check_region(where, region, section) -> None:
-    """Refuse a region without a line in a single body, and a line that divides nothing."""
-    if region.line is None:
-        if not (section.parting or section.outline.others):
-            raise SealFileError(
-                f"{where}: line is missing, but the section is one body; draw the line that divides the "
-                "part from the rest, or name its layer in parting of [section]"
-            )
-        return
-    for point in (region.line[0], region.line[-1]):
-        if _nearest_joint(point, section.outline)[1] > JOIN:
-            raise SealFileError(
-                f"{where}: line ends at {pair(point)}, where no segments of the boundary meet; let a "
-                "segment of the boundary end there"
-            )
-    if len(region.line) == 2 and np.hypot(*np.subtract(*region.line)) <= JOIN:
-        raise SealFileError(f"{where}: line begins and ends at {pair(region.line[0])}")
+    """Refuse a region without a line in a single body."""
+    if region.line is None and not (section.parting or section.outline.others):
+        raise SealFileError(
+            f"{where}: line is missing, but the section is one body; draw the line that divides the "
+            "part from the rest, or name its layer in parting of [section]"
+        )

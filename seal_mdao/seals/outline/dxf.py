@@ -64,7 +64,9 @@ def read_dxf(path, units: str | None = None) -> Outline:
     return read_drawing(path, units).outline
 
 
-def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawing:
+def read_drawing(
+    path, units: str | None = None, parting=(), ignore=(), by_corners: bool = False
+) -> Drawing:
     """Read the section in the model space of a drawing, in mm.
 
     Lines, arcs, circles, ellipses, polylines and splines in any order and direction; ends closer than
@@ -83,6 +85,9 @@ def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawi
         Layers of the lines between regions, which end on the boundary.
     ignore : sequence of str
         Layers that are not read.
+    by_corners : bool
+        Whether edges are the parts of the boundary between corners, with the names of
+        ``named_by_corners``, independent of the layers.
 
     Raises
     ------
@@ -103,31 +108,20 @@ def read_drawing(path, units: str | None = None, parting=(), ignore=()) -> Drawi
         divides = [own.layer.casefold() in between for own in found.geometry]
         boundary = [own for own, line in zip(found.geometry, divides, strict=True) if not line]
         lines = [own for own, line in zip(found.geometry, divides, strict=True) if line]
-        outline = _outline_of(pieces_of(boundary, scale))
+        drawn = pieces_of(boundary, scale)
+        if by_corners:
+            # a name for every piece, so that no two parts have the same
+            drawn = [
+                (replace(segment, edge=str(number)), name)
+                for number, (segment, name) in enumerate(drawn)
+            ]
+        outline = _outline_of(drawn, list(dict.fromkeys(own.layer for own in boundary)))
+        if by_corners:
+            outline = named_by_corners(outline)
         pieces = pieces_of(lines, scale)
         outline, cuts = parted(outline, *zip(*pieces, strict=True)) if pieces else (outline, ())
         texts = tuple((text, (scale * x, scale * y)) for text, (x, y) in found.texts)
         return Drawing(outline, cuts, texts, dict(found.left_out))
-    except GeometryError as error:
-        raise GeometryError(f"{path}: {error}") from None
-
-
-def read_by_corners(path, units: str | None = None, ignore=()) -> Outline:
-    """Read the boundary of a drawing independent of its layers; edges are the parts between
-    corners.
-
-    Parameters and errors as of ``read_drawing``; names of edges are those of ``named_by_corners``.
-    """
-    document = _document(path)
-    try:
-        scale = MODEL_UNITS[_units(document, units)]
-        pieces = pieces_of(sorted_entities(document, ignore).geometry, scale)
-        # a name for every piece, so that no two parts have the same
-        single = [
-            (replace(segment, edge=str(number)), name)
-            for number, (segment, name) in enumerate(pieces)
-        ]
-        return named_by_corners(_outline_of(single))
     except GeometryError as error:
         raise GeometryError(f"{path}: {error}") from None
 
@@ -157,8 +151,8 @@ def _check_layers(document, **wanted) -> None:
                 )
 
 
-def _outline_of(pieces) -> Outline:
-    """Chain pieces of the boundary, segments with names, to the section."""
+def _outline_of(pieces, layers) -> Outline:
+    """Chain pieces of the boundary on some layers, segments with names, to the section."""
     check_count(len(pieces))
     if not pieces:
         raise GeometryError(
@@ -168,12 +162,12 @@ def _outline_of(pieces) -> Outline:
     try:
         contours = [Contour(chain) for chain in loops(segments, names, JOIN)]
     except GeometryError as error:
-        layers = list(dict.fromkeys(segment.edge for segment in segments))
         if len(layers) == 1:
             raise
         raise GeometryError(
-            f"{error} (layers read as boundary: {', '.join(layers)}; name other layers in "
-            "parting of [section], for lines between rubbers, or in ignore)"
+            f"{error} (layers read as boundary: {', '.join(layers)}; name layers of lines between "
+            "rubbers in parting of [section], other layers in ignore; as options of the command new: "
+            "--parting, --ignore)"
         ) from None
     # largest first: a contour comes behind those around it
     contours.sort(key=lambda contour: -abs(contour.area))

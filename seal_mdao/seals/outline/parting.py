@@ -1,24 +1,25 @@
 """Parting lines of a drawing: chains of segments across the section, between regions."""
 
 from collections import defaultdict
+from itertools import combinations
 
 import numpy as np
 import shapely
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.chain import ROUNDING, joined_ends
+from seal_mdao.seals.outline.chain import joined_ends
 from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.segments import pair
 
 FOLLOWED = 0.01
 """Largest distance of the straight sides of a parting line from its arcs and splines, mm."""
 
+FINE = 1e-6
+"""Largest distance of the straight sides of the boundary, which trim a parting line, from it, mm."""
+
 
 def parted(outline: Outline, segments, names) -> tuple[Outline, tuple]:
-    """Chain loose segments to parting lines from boundary to boundary.
-
-    Ends closer than 1e-3 mm to the boundary are moved onto it. Where no segments of the boundary meet
-    there, the segment is divided, so that a particle is at the end of the line.
+    """Chain loose segments to parting lines from boundary to boundary, and trim them (``trimmed``).
 
     Parameters
     ----------
@@ -38,17 +39,80 @@ def parted(outline: Outline, segments, names) -> tuple[Outline, tuple]:
     Raises
     ------
     GeometryError
-        For a line that is closed, branches, does not end on the boundary, or leaves the section.
+        For a line that is closed, branches, does not end on the boundary, does not run through the
+        section, or crosses another one.
     """
     lines = []
     for chain, which in _chains(segments, names):
-        line = _polyline(chain)
-        # both ends onto the boundary, which they may divide
-        for end in (0, -1):
-            outline, line[end] = _attached(outline, line[end], which)
-        _check_inside(outline, line, which)
-        lines.append(line)
+        try:
+            outline, parts = trimmed(outline, _polyline(chain))
+        except GeometryError as error:
+            raise GeometryError(f"{which}: the parting line {error}") from None
+        lines += parts
+    check_uncrossed(lines)
     return outline, tuple(lines)
+
+
+def trimmed(outline: Outline, line) -> tuple[Outline, list]:
+    """Remove the parts of a parting line that run through holes or outside of the section.
+
+    Ends closer than 1e-3 mm to the boundary are moved onto it. Where no segments of the boundary meet
+    at an end of a part, the segment is divided, so that a particle is there.
+
+    Parameters
+    ----------
+    outline : Outline
+    line : array_like, shape (k, 2)
+        From boundary to boundary, mm.
+
+    Returns
+    -------
+    outline : Outline
+        With segments divided at the ends of the parts.
+    parts : list of ndarray, shape (k, 2)
+        In order along the line, mm.
+
+    Raises
+    ------
+    GeometryError
+        For a line that does not end on the boundary or does not run through the section, or a crossing
+        too close to the end of a segment. The message lacks its subject.
+    """
+    line = np.array(line, float)
+    # both ends onto the boundary, which they may divide
+    for end in (0, -1):
+        outline, line[end] = _attached(outline, line[end], "ends")
+    curve, section = shapely.LineString(line), outline.shape(FINE)
+    if curve.intersection(section.buffer(-JOIN)).length <= JOIN:
+        raise GeometryError(
+            f"from {pair(line[0])} to {pair(line[-1])} does not run through the section"
+        )
+    if curve.difference(section.buffer(JOIN)).is_empty:
+        return outline, [line]
+    inside = shapely.line_merge(curve.intersection(section), directed=True)
+    parts = [part for part in shapely.get_parts(inside) if part.length > JOIN]
+    # in order along the line; every end is an end of the line or a crossing with a contour
+    parts = [shapely.get_coordinates(part) for part in parts]
+    parts.sort(key=lambda part: curve.project(shapely.Point(part.mean(axis=0))))
+    for part in parts:
+        for end in (0, -1):
+            own = next((e for e in line[[0, -1]] if np.hypot(*(e - part[end])) <= JOIN), None)
+            if own is not None:
+                part[end] = own
+                continue
+            outline, part[end] = _attached(outline, part[end], "crosses")
+    return outline, parts
+
+
+def check_uncrossed(lines) -> None:
+    """Raise GeometryError for two parting lines (k, 2) that cross between their ends."""
+    for (i, one), (j, other) in combinations(enumerate(map(shapely.LineString, lines), 1), 2):
+        if one.crosses(other):
+            at = one.intersection(other).representative_point().coords[0]
+            raise GeometryError(
+                f"parting lines {i} and {j} cross at {pair(at)}; let every line lead from one point of "
+                "the boundary to another without crossing others"
+            )
 
 
 def _chains(segments, names) -> list[tuple]:
@@ -95,8 +159,11 @@ def _polyline(chain) -> np.ndarray:
     return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
 
 
-def _attached(outline: Outline, point, which) -> tuple[Outline, np.ndarray]:
-    """Find the joint of the boundary at a point; a segment is divided where there is none."""
+def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
+    """Find the joint of the boundary at a point; a segment is divided where there is none.
+
+    ``verb`` says in messages what the line does there.
+    """
     joints = np.array([segment.start for c in outline.contours for segment in c.segments])
     away = np.hypot(*(joints - point).T)
     if away.min() <= JOIN:
@@ -111,24 +178,18 @@ def _attached(outline: Outline, point, which) -> tuple[Outline, np.ndarray]:
     distance, s, i, j = min(places)
     if distance > JOIN:
         raise GeometryError(
-            f"{which}: the parting line ends at {pair(point)}, {distance:.3g} mm away from the "
-            "boundary; let it end there"
+            f"{verb} at {pair(point)}, {distance:.3g} mm away from the boundary; let it end there"
         )
     contours = list(outline.contours)
     segments = contours[i].segments
     parts = segments[j].divided(s)
-    contours[i] = Contour((*segments[:j], *parts, *segments[j + 1 :]))
-    return outline.redrawn(contours), parts[0].end
-
-
-def _check_inside(outline: Outline, line, which) -> None:
-    """Refuse a line that leaves the section between its ends."""
-    # boundaries are followed within FOLLOWED, so is the line
-    shape = outline.shape(FOLLOWED).buffer(2.0 * FOLLOWED)
-    outside = shapely.LineString(line).difference(shape)
-    if outside.length > ROUNDING:
+    try:
+        contours[i] = Contour((*segments[:j], *parts, *segments[j + 1 :]))
+    except GeometryError:
+        # the only reason: a part is shorter than a segment may be
         raise GeometryError(
-            f"{which}: the parting line leaves the section near "
-            f"{pair(outside.representative_point().coords[0])}; let it end at the boundary and begin "
-            "again behind the hole"
-        )
+            f"{verb} at {pair(point)} on {outline.titles[i]}, {away.min():.3g} mm away from "
+            f"{pair(joints[away.argmin()])}, where segments of the boundary meet; let the line lead "
+            "there, or farther away"
+        ) from None
+    return outline.redrawn(contours), parts[0].end
