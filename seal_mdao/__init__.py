@@ -37,6 +37,7 @@ _LAZY = {
     "TooLargeError": "seal_mdao.errors",
     "SplineGeometryComp": "seal_mdao.components.spline_geometry_comp",
     "AreaComp": "seal_mdao.components.area_comp",
+    "UntrustworthyResultWarning": "seal_mdao.components.failures",
     "RkpmContactComp": "seal_mdao.components.rkpm_contact_comp",
     "SealGroup": "seal_mdao.components.seal_group",
     "ScenarioGroup": "seal_mdao.components.scenario_group",

@@ -3,6 +3,9 @@
 from seal_mdao.analysis.newton import NewtonOptions as NewtonOptions
 from seal_mdao.analysis_cache import AnalysisCache as AnalysisCache
 from seal_mdao.components.area_comp import AreaComp as AreaComp
+from seal_mdao.components.failures import (
+    UntrustworthyResultWarning as UntrustworthyResultWarning,
+)
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp as RkpmContactComp
 from seal_mdao.components.scenario_group import ScenarioGroup as ScenarioGroup
 from seal_mdao.components.seal_group import SealGroup as SealGroup

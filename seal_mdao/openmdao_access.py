@@ -367,6 +367,15 @@ def contact_states(driver: Driver) -> dict[str, str]:
     }
 
 
+def faults(driver: Driver) -> list[str]:
+    """Faults of the last design's results, of all components of the model that have ``faults``."""
+    systems = problem_of(driver).model.system_iter(include_self=True, recurse=True)
+    own = {s.pathname: s.faults() for s in systems if hasattr(s, "faults")}
+    return [
+        f"{path}: {text}" if len(own) > 1 else text for path, found in own.items() for text in found
+    ]
+
+
 def find_value(vector, name: str) -> np.ndarray | None:
     """Return a flat view of a variable in a vector of the model; None if it is not there."""
     return vector._abs_get_val(name) if vector._contains_abs(name) else None

@@ -1,5 +1,6 @@
 """Optimise the seal of a seal file: figures, report, summary.json, the best seal as a seal file."""
 
+import warnings
 from pathlib import Path
 
 import seal_mdao as sm
@@ -60,6 +61,8 @@ def main(arguments) -> int:
             # the task is built inside, with analyses that report progress
             return file_task(file, run.analyze(seal))
 
+    # the warnings of the first and the last design are printed at the end
+    warnings.simplefilter("ignore", sm.UntrustworthyResultWarning)
     history, numbers = run_optimization(arguments, seal, task_of, optimizer, cache)
     cases = (arguments.out / CASES).absolute()
     # last design; both analyses are usually in the cache

@@ -1,10 +1,45 @@
-"""Translate failures of designs to OpenMDAO's ``AnalysisError``, which drivers can handle."""
+"""Translate failures of designs to OpenMDAO's ``AnalysisError``, which drivers can handle, and faults of
+completed analyses to warnings."""
 
+import re
+from collections.abc import Iterable
 from contextlib import contextmanager
 
 import openmdao.api as om
 
 from seal_mdao.errors import GeometryError, LoadPathError
+
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+
+
+class UntrustworthyResultWarning(om.OpenMDAOWarning):
+    """A completed analysis whose result is not trustworthy, such as the stress of inverted material."""
+
+    name = "warn_untrustworthy_result"
+    filter = "always"
+
+
+def warn_of_faults(where: str, faults: Iterable[str], reported: set[str]) -> None:
+    """Issue an ``UntrustworthyResultWarning`` for every fault that was not reported before.
+
+    Texts that differ in numbers only are the same fault, which an optimisation would repeat in every
+    design.
+
+    Parameters
+    ----------
+    where : str
+        Component or driver, the beginning of the message.
+    faults : iterable of str
+        As of ``SealResult.faults``.
+    reported : set of str
+        Faults reported before, without their numbers; new ones are added.
+    """
+    for text in faults:
+        kind = NUMBER.sub("", text)
+        if kind not in reported:
+            reported.add(kind)
+            message = f"the result is not trustworthy: {text}"
+            om.issue_warning(message, prefix=where, category=UntrustworthyResultWarning)
 
 
 @contextmanager

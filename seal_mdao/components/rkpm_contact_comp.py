@@ -6,7 +6,7 @@ import numpy as np
 import openmdao.api as om
 
 from seal_mdao.analysis_cache import AnalysisCache
-from seal_mdao.components.failures import admissible_design, analysis_errors
+from seal_mdao.components.failures import admissible_design, analysis_errors, warn_of_faults
 from seal_mdao.components.options import (
     add_parameters,
     check_outputs,
@@ -39,7 +39,8 @@ class RkpmContactComp(RandomDirectionsComp):
 
     A design that cannot be analysed, and inadmissible values (a radius that is not positive, NaN),
     raise ``AnalysisError`` and leave NaN in all outputs, and in the partials at that point: a driver
-    that continues records no values of another design.
+    that continues records no values of another design. A completed analysis whose result is not
+    trustworthy issues an ``UntrustworthyResultWarning``, once for every fault.
     ``check_partials`` takes central differences along random directions of the particles and of every
     parameter. Complex step is refused.
     """
@@ -52,6 +53,7 @@ class RkpmContactComp(RandomDirectionsComp):
         check_parameters(seal, self.options["parameters"])
         cache = self.options["cache"]
         self._failed = self._result = None
+        self._reported = set()
         # a cache without memory still holds the newest analysis, with its factors
         self._cache = AnalysisCache(memory=0.0) if cache is None else cache
         analysis = analyze if cache is None else cache.analyze
@@ -97,6 +99,8 @@ class RkpmContactComp(RandomDirectionsComp):
             raise
         for name, value in values.items():
             outputs[name] = value
+        # the checks of the state are part of require_possible and cached: they cost nothing here
+        warn_of_faults(self.msginfo, result.faults, self._reported)
 
     def compute_partials(self, inputs, partials):
         # no path, no derivative: NaN, which optimisers recognise
@@ -116,6 +120,10 @@ class RkpmContactComp(RandomDirectionsComp):
     def contact_states(self) -> dict[str, str]:
         """Return the contact states of the last design by their names (``dsa.contact_kinks``)."""
         return {} if self._result is None else contact_states(self._result.path)
+
+    def faults(self) -> tuple[str, ...]:
+        """Return the faults that make the last design's result not trustworthy, one line each."""
+        return () if self._result is None else self._result.faults
 
     def _has_failed(self, inputs) -> bool:
         """Return whether the design failed here, or upstream, where NaN particles result."""

@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 import numpy as np
 import openmdao.api as om
 
+from seal_mdao.components.failures import warn_of_faults
 from seal_mdao.components.options import (
     OPTIONAL,
     add_boundary_offsets,
@@ -61,7 +62,8 @@ class ScenarioComp(RandomDirectionsComp):
     replaces, shifts or multiplies their values. A seal file's profiles get their placement parameters,
     ``<profile>_x``, ``_y`` and ``_angle``, where a scenario varies one.
     Outputs: ``<measure>_scenarios``, (S, m); rows of scenarios that failed and are left out are NaN,
-    and their partials zero.
+    and their partials zero. Scenarios whose results are not trustworthy issue an
+    ``UntrustworthyResultWarning``, once for every fault.
 
     Values and partials are computed together, for partials alone would repeat the analyses. Processes
     are started with the first evaluation and run until this process ends.
@@ -84,6 +86,7 @@ class ScenarioComp(RandomDirectionsComp):
         # scenarios may vary parameters that are no inputs of the component
         self._task = SealTask(seal, measures, names, self.options["sensitivity"], derivatives=True)
         self._named, self._workers, self._last = tuple(inputs), _workers(self.options), None
+        self._reported = set()
         self._check_admissible()
         add_boundary_offsets(self, seal)
         add_parameters(self, seal, inputs)
@@ -132,6 +135,17 @@ class ScenarioComp(RandomDirectionsComp):
         # columns (S, M) of all measures, split by measure
         for name, values in self._task.by_measure(found.values).items():
             outputs[f"{name}_scenarios"] = values
+        warn_of_faults(self.msginfo, self.faults(), self._reported)
+
+    def faults(self) -> tuple[str, ...]:
+        """Return the faults that make results of the last design not trustworthy, with the scenario."""
+        if self._last is None:
+            return ()
+        return tuple(
+            f"{self.options['scenarios'].described(number)}: {text}"
+            for number, faults in enumerate(self._last[1].faults)
+            for text in faults
+        )
 
     def compute_partials(self, inputs, partials):
         found, task = self._evaluated(inputs), self._task

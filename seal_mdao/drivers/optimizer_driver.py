@@ -11,6 +11,7 @@ from openmdao.core.analysis_error import AnalysisError
 from tqdm import tqdm
 
 from seal_mdao import openmdao_access as access
+from seal_mdao.components.failures import warn_of_faults
 from seal_mdao.drivers.callbacks import SolverCallbacks
 from seal_mdao.drivers.evaluation import ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
@@ -54,7 +55,8 @@ class OptimizerDriver(access.DriverHooks):
     point found, or the least infeasible one. A run that was not ended by a limit or Ctrl-C counts as
     a success if that point satisfies the optimality conditions, see `Optimality`, be it at a kink that
     no direction improves, see `Kink`. Components with a method ``contact_states``, states by name, have
-    the states that change there named.
+    the states that change there named. Those with a method ``faults``, texts, have the faults of the
+    final design reported by an ``UntrustworthyResultWarning``.
 
     Attributes
     ----------
@@ -229,6 +231,7 @@ class OptimizerDriver(access.DriverHooks):
             self._print(f"Optimization FAILED.\n{self.exit_message}\n{'-' * 35}")
         elif self._next_header > 1:
             self._print(f"Optimization Complete\n{self.exit_message}\n{'-' * 35}")
+        warn_of_faults(f"{self.msginfo}: final design", access.faults(self), set())
 
     def _describe(self, end: SolverEnd, callbacks: SolverCallbacks) -> str:
         if callbacks.interrupted:

@@ -5,8 +5,9 @@ import sys
 import openmdao.api as om
 from tqdm import tqdm
 
+from seal_mdao.components.failures import warn_of_faults
 from seal_mdao.drivers.solver_libraries import count, tolerance
-from seal_mdao.openmdao_access import FailedCases, problem_of, snapshot
+from seal_mdao.openmdao_access import FailedCases, faults, problem_of, snapshot
 
 FAILED_OBJECTIVE = 1e20
 """Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
@@ -50,9 +51,11 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         # an attribute of the instance hides the method of the class during the run
         model.run_solve_nonlinear = self._analyse
         try:
-            return super().run()
+            fail = super().run()
         finally:
             del model.run_solve_nonlinear, self._model, self._restore
+        warn_of_faults(f"{self.msginfo}: final design", faults(self), set())
+        return fail
 
     def get_objective_values(self, driver_scaling: bool = True) -> dict:
         """Return the objective by name; after a failed analysis a value that the line search rejects."""

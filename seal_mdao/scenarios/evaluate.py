@@ -14,12 +14,13 @@ from seal_mdao.scenarios.variation import Scenarios
 
 class Evaluated(NamedTuple):
     """Results of S scenarios, in their order: values (S, M) of all measures, NaN in failed rows,
-    gradients (S, M, P + N) in offsets and parameters of the design, zero in failed rows, or None, and
-    reasons of failures, empty for successes."""
+    gradients (S, M, P + N) in offsets and parameters of the design, zero in failed rows, or None,
+    reasons of failures, empty for successes, and the faults that make results not trustworthy."""
 
     values: np.ndarray
     gradients: np.ndarray | None
     failures: tuple
+    faults: tuple
 
 
 def evaluate(
@@ -63,6 +64,7 @@ def evaluate(
         np.stack([outcome.values for outcome in ordered]),
         gradients,
         tuple(outcome.failure for outcome in ordered),
+        tuple(outcome.faults for outcome in ordered),
     )
 
 

@@ -28,12 +28,14 @@ _tasks = {}
 
 class Outcome(NamedTuple):
     """Result of one scenario: values (M,) of all measures in succession, NaN if it failed, gradient
-    (M, P + N) in boundary offsets and parameters of the task, or None, reason of a failure, duration."""
+    (M, P + N) in boundary offsets and parameters of the task, or None, reason of a failure, duration,
+    faults that make the result not trustworthy (``SealResult.faults``)."""
 
     values: np.ndarray
     gradient: np.ndarray | None
     failure: str
     seconds: float
+    faults: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +77,11 @@ class SealTask:
         """
         begun, failure = time.perf_counter(), ""
         try:
-            found = self._analyzed(offsets, parameters)
+            *found, faults = self._analyzed(offsets, parameters)
         except (ValueError, LoadPathError) as error:  # including inadmissible values
-            found, failure = (np.full(self.count, np.nan), None), " ".join(str(error).split())
-        return Outcome(*found, failure, time.perf_counter() - begun)
+            found, faults = (np.full(self.count, np.nan), None), ()
+            failure = " ".join(str(error).split())
+        return Outcome(*found, failure, time.perf_counter() - begun, faults)
 
     def _analyzed(self, offsets, parameters):
         seal = self.seal.with_parameters(dict(zip(self.parameters, parameters, strict=True)))
@@ -90,10 +93,10 @@ class SealTask:
         result = analyze_particles(seal, particles, offsets, factor_memory=memory)
         values = np.concatenate([*result.admissible_values(self.measures).values()])
         if not self.derivatives:
-            return values, None
+            return values, None, result.faults
         rates = sensitivities(result, self.parameters, self.measures, self.method)
         rows = [np.atleast_2d(rates[measure.name]) for measure in self.measures]
-        return values, np.vstack(rows)
+        return values, np.vstack(rows), result.faults
 
 
 def measures_with_values(seal: Seal, measures=None) -> tuple:

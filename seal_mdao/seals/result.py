@@ -128,8 +128,16 @@ class SealResult:
     def trustworthy(self) -> bool:
         """Whether the path was completed and its end has no fault that makes the results
         unusable."""
-        return self.converged and not any(
-            found.impossible or found.meaningless for found in findings(self.path)
+        return self.converged and not self.faults
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Faults at the end of a completed path (``seals.checks``) that make the results unusable, one
+        line each; empty for a path that was not completed."""
+        if not self.converged:
+            return ()
+        return tuple(
+            found.text for found in findings(self.path) if found.impossible or found.meaningless
         )
 
     @cached_property
