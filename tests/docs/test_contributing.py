@@ -1,4 +1,4 @@
-"""The table "Where to change what" of CONTRIBUTING.md leads to files that exist."""
+"""Files that CONTRIBUTING.md and the pages name exist, those of "Where to change what" among them."""
 
 import re
 from pathlib import Path
@@ -6,6 +6,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+ROOT_PAGES = ("README.md", "CONTRIBUTING.md")
+# `folder/file.py`
+PATH = re.compile(r"`((?:[a-z_]+/)+[a-z_]+\.py)`")
 
 
 @pytest.fixture(scope="module")
@@ -34,3 +37,14 @@ def test_functions_named_behind_a_file_are_in_it(rows):
             assert re.search(rf"(def|class) {name}\b", text), f"{path}: {name}"
             found += 1
     assert found
+
+
+def test_python_files_that_pages_name_by_their_path_exist(pages):
+    texts = {**pages, **{ROOT / name: (ROOT / name).read_text("utf-8") for name in ROOT_PAGES}}
+    bases = [ROOT, ROOT / "seal_mdao", ROOT / "docs", ROOT / "tests" / "verification"]
+    named = {(page, path) for page, text in texts.items() for path in PATH.findall(text)}
+    assert len(named) > 50
+    gone = [
+        (page.name, path) for page, path in named if not any((b / path).exists() for b in bases)
+    ]
+    assert not gone
