@@ -85,8 +85,8 @@ def _temporary_base(refused: Path) -> Path:
     # child processes inherit the folder by the environment
     os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
     warnings.warn(
-        f"the cache folder {refused} is not writable: the kernels of seal_mdao are compiled again in "
-        "every run; set NUMBA_CACHE_DIR to a writable folder to keep them",
+        f"the cache folder {refused} is not writable: the kernels of seal_mdao are recompiled in "
+        "every run; set the environment variable NUMBA_CACHE_DIR to a writable folder",
         stacklevel=2,
     )
     return Path(folder)

@@ -121,9 +121,8 @@ def _require_gap(nominal: SealResult) -> None:
     largest = float(np.abs(nominal.gap).max(initial=0.0))
     if not largest > NEGLIGIBLE_GAP:
         raise ValueError(
-            "no contact point of the nominal seal has a gap between others in contact of more than "
-            f"{NEGLIGIBLE_GAP} mm (largest gap {largest:.1g} mm), so no gap to minimise; choose a "
-            "larger depth or another door"
+            f"the nominal seal has no gap between contact points of more than {NEGLIGIBLE_GAP} mm "
+            f"to minimise (largest gap {largest:.1g} mm); choose a larger depth or another door"
         )
 
 

@@ -116,8 +116,9 @@ def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple
     empty = [measure.name for measure in measures if is_empty(measure, seal)]
     if empty:
         raise SealFileError(
-            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value: at the end of the nominal "
-            "seal's path there is no gap between points in contact"
+            f"{file.path}: [optimize]: the measure {empty[0]!r} has no value, because the nominal "
+            "seal has no gap between points in contact at the end of the path; choose another "
+            "measure"
         )
     start = {measure.name: nominal.value(measure) for measure in measures}
     _require_gap(file, measures, start)
@@ -127,16 +128,20 @@ def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple
 def require_problem(file: SealFile, seal: Seal) -> None:
     """Raise SealFileError for a file without ``[optimize]`` or ``[[design]]``."""
     if file.optimize is None:
-        raise SealFileError(f"{file.path}: [optimize] is missing: say what to minimize")
+        raise SealFileError(
+            f"{file.path}: [optimize] is missing: name the measure to minimise, such as minimize = "
+            '"section_area"'
+        )
     if not seal.n_offsets:
         raise SealFileError(
-            f"{file.path}: [[design]] is missing: add the design parameters of the shape"
+            f"{file.path}: [[design]] is missing: name the edges that may change, such as edges = "
+            '["top"]'
         )
     for name in measure_names(file):
         if name in BESIDE:
             raise SealFileError(
-                f"{file.path}: [[measure]]: name = {name!r} is taken in an optimisation; give "
-                "the measure another name"
+                f"{file.path}: [[measure]]: name = {name!r} is reserved in an optimisation; give "
+                "this measure another name"
             )
 
 
@@ -145,8 +150,9 @@ def _require_gap(file, measures, start) -> None:
     aim = next(m for m in measures if m.name == file.optimize.minimize)
     if isinstance(aim, BetweenContacts) and not start[aim.name].any():
         raise SealFileError(
-            f"{file.path}: [optimize]: the measure {aim.name!r} is zero at the start: at the end of the "
-            "nominal seal's path there is no gap between points in contact; minimise something else"
+            f"{file.path}: [optimize]: the measure {aim.name!r} is already zero, because the "
+            "nominal seal has no gap between points in contact at the end of the path; minimise "
+            "another measure"
         )
 
 

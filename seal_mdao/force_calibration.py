@@ -129,19 +129,28 @@ def _check(seal, force, measured, names) -> None:
     """Refuse readings and names with which there is nothing to find."""
     n, scalars = force.size(seal), seal.scalars
     if measured.shape != (n,) or not np.isfinite(measured).all() or not measured.any():
-        raise ValueError(f"measured must be {n} numbers, one a reading, not all of them zero")
+        raise ValueError(f"measured must be {n} finite numbers, one per reading, and not all zero")
     unknown = [name for name in names if name not in scalars]
     if unknown:
-        raise ValueError(f"{unknown[0]!r} is no parameter; they are {', '.join(scalars)}")
+        raise ValueError(
+            f"unknown parameter {unknown[0]!r}; the parameters are {', '.join(scalars)}"
+        )
     if len(set(names)) < len(names) or not names:
-        raise ValueError("the parameters to find must be given, each of them once")
+        raise ValueError(
+            "name at least one parameter to identify, and none twice; got "
+            f"{', '.join(names) or 'none'}"
+        )
     zero = [name for name in names if scalars[name].value == 0.0]
     if zero:
         raise ValueError(
-            f"{zero[0]} is zero, and parameters are found by their ratio to a first value; give it one"
+            f"the parameter {zero[0]} starts at zero, but parameters are identified as a ratio to "
+            "their start value; give it a start value other than 0"
         )
     if n <= len(names):
-        raise ValueError(f"{n} readings do not determine {len(names)} parameters and their scatter")
+        raise ValueError(
+            f"{n} readings are too few for {len(names)} parameters and their standard errors; give "
+            f"at least {len(names) + 1} readings or identify fewer parameters"
+        )
 
 
 @dataclass(frozen=True, eq=False)

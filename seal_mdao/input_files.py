@@ -75,7 +75,7 @@ def filled_lines(path, failure: type[Exception]) -> list[tuple[str, str]]:
     except OSError as error:
         raise failure(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
-        raise failure(f"{path}: is not a text file in UTF-8") from None
+        raise failure(f"{path}: not a text file in UTF-8; save it in this encoding") from None
     return [
         (f"{path}, line {number}", line)
         for number, line in enumerate(lines, 1)
@@ -84,7 +84,7 @@ def filled_lines(path, failure: type[Exception]) -> list[tuple[str, str]]:
 
 
 def _too_large(path) -> OSError:
-    return OSError(errno.EFBIG, f"it has more than {LARGEST_FILE // 2**20} MiB", str(path))
+    return OSError(errno.EFBIG, f"the file is larger than {LARGEST_FILE // 2**20} MiB", str(path))
 
 
 def reason_of(error: BaseException) -> str:

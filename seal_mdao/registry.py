@@ -77,7 +77,10 @@ def register(kind: str, name: str, value=None):
     # the same definition may be registered again, as when a module is reloaded
     old = _registered.get((kind, name), new)
     if old.source != new.source or old.load().__qualname__ != value.__qualname__:
-        raise ValueError(f"{_what(kind)} {name!r} is known already, from {old.source}")
+        raise ValueError(
+            f"{_what(kind)} {name!r} is already registered, from {old.source}; register it under "
+            "another name"
+        )
     _checked(kind, name, new.source, value)
     _registered[kind, name] = new
     return value
@@ -113,8 +116,8 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
         sources.insert(0, "seal_mdao itself")
     if len(sources) > 1:
         raise ValueError(
-            f"the name {name!r} of {_what(kind)} comes from {' and from '.join(sources)}; rename or "
-            "uninstall all but one"
+            f"the name {name!r} of {_what(kind)} comes from {' and from '.join(sources)}; rename "
+            "or uninstall all but one"
         )
     if not found:
         return None
@@ -128,7 +131,8 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
     except Exception as error:
         reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
         raise ValueError(
-            f"{_what(kind)} {name!r} of {own.source} cannot be loaded ({reason})"
+            f"{_what(kind)} {name!r} of {own.source} cannot be loaded ({reason}); repair or "
+            "uninstall it"
         ) from error
     return _checked(kind, name, own.source, value)
 

@@ -109,7 +109,9 @@ def numbers(name: str, values) -> np.ndarray:
     try:
         array = np.asarray(values)
     except ValueError:
-        raise ValueError(f"{name} must be numbers in lists of one length") from None
+        raise ValueError(
+            f"{name} must be a rectangular array of numbers, but its lists differ in length"
+        ) from None
     if array.dtype == object:  # fractions, and integers beyond 64 bits
         found = [_as_float(value) for value in array.ravel()]
         if None not in found:
@@ -129,7 +131,7 @@ def array(name: str, given, shape: tuple[int, ...]) -> np.ndarray:
     """
     found = np.array(numbers(name, given))
     require(found.shape == shape, f"{name} must have shape {shape}, got {found.shape}")
-    require(np.isfinite(found).all(), f"{name} must be finite numbers")
+    require(np.isfinite(found).all(), f"{name} must have finite values only, not NaN or infinity")
     return found
 
 

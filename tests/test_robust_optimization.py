@@ -90,7 +90,7 @@ def test_limits_are_those_of_the_drawn_seal_and_gradients_exist(
 def test_numbers_that_change_nothing(seal):
     of = (Variation("friction"), Variation("c10", "factor"), Variation("depth", "shift"))
     np.testing.assert_array_equal(nominal_numbers(of, seal), [0.25, 1.0, 0.0])
-    with pytest.raises(ValueError, match="make it a factor or a shift"):
+    with pytest.raises(ValueError, match='use kind "factor" or "shift"'):
         nominal_numbers((Variation("both", "value", ("c10", "c01")),), seal)
 
 

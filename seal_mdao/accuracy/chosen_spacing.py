@@ -62,7 +62,9 @@ class Cloud:
         }
         if not known:
             reasons = "; ".join(dict.fromkeys(own.unknown for own in found.values() if own.unknown))
-            raise ValueError(f"no error can be estimated: {reasons or 'all measures are zero'}")
+            raise ValueError(
+                f"no discretisation error can be estimated: {reasons or 'all measures are zero'}"
+            )
         return max(known.items(), key=lambda item: item[1])
 
 
@@ -103,14 +105,17 @@ def refine(
     """
     tolerance = values.real("tolerance", tolerance, above=0.0, high=0.5)
     if not isinstance(file.section.spacing, float):
-        raise ValueError("only a section with a spacing can be refined; it has rays or a cloud")
+        raise ValueError(
+            "only a section with a spacing can be refined, but [section] has rays or a cloud; give "
+            "it spacing instead"
+        )
     known = [measure.name for measure in file.measures]
     names = known if names is None else list(names)
     unknown = [name for name in names if name not in known]
     if unknown or not names:
         raise ValueError(
             f"unknown measure {unknown[0]!r}; known are {', '.join(known)}" if unknown
-            else "the file has no measures whose errors could be estimated"
+            else "the file has no measure whose error could be estimated; add a [[measure]]"
         )  # fmt: skip
     file = _with_tolerances(file, tolerance)
     for _ in range(ROUNDS):
@@ -125,7 +130,7 @@ def refine(
         # error = C h^2: h times sqrt(tolerance / error), with a margin
         file = with_factor(file, max(SMALLEST, MARGIN * math.sqrt(tolerance / error)))
     raise ValueError(
-        f"{name} still errs by {100.0 * error:.2g} % with a spacing of "
+        f"the estimated error of {name} is still {100.0 * error:.2g} % with a spacing of "
         f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; allow a larger "
         "tolerance"
     )

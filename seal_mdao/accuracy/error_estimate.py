@@ -115,7 +115,10 @@ def estimate_errors(
     """
     result.require_converged()
     if np.any(result.boundary_offsets):
-        raise ValueError("errors are estimated of the section that the file has, not of a design")
+        raise ValueError(
+            "errors can be estimated for the nominal section only, but this result has boundary "
+            "offsets; export the design as a seal file and analyse that"
+        )
     paths = ComparedPaths(file, result, callback)
     found = {}
     for measure in standard_measures(result):
@@ -163,7 +166,7 @@ class ComparedPaths:
             fine_seal = replace(fine_seal, body=replace(fine_seal.body, nominal=None))
             fine = discretize(fine_seal.body, fine_seal.nominal_particles, fine_seal.terms())
         except (GeometryError, ValueError) as error:
-            self.failure = f"the section cannot be filled with smaller cells: {error}"
+            self.failure = f"no particles can be placed with half of the spacing: {error}"
             return
         # ends of the load steps of the seal in those of the unchosen one
         given = np.arange(1.0, seal.n_steps + 1.0)
@@ -249,11 +252,13 @@ def _by_particles(measure: Measure, paths: ComparedPaths) -> np.ndarray | str:
     except LoadPathError as error:
         return str(error)
     if values[0].shape != values[1].shape:
-        return f"{measure.name} has other points with half of the spacing"
+        return (
+            f"{measure.name} is evaluated at a different number of points with half of the spacing"
+        )
     # m_h - m = (m_h - m_(h/2)) / (1 - 2^-p)
     error = (values[0] - values[1]) / (1.0 - 0.5**ORDER)
     if not np.isfinite(error).all():
-        return f"{measure.name} is not a number with half of the spacing"
+        return f"{measure.name} is not a finite number with half of the spacing"
     return error
 
 
@@ -262,7 +267,7 @@ def _by_steps(measure: Measure, value, paths: ComparedPaths) -> np.ndarray | str
     if paths.coarse is None:
         return paths.failure
     if paths.coarse.seal.n_steps == paths.result.seal.n_steps:
-        return "there are too few load steps to compare with fewer"
+        return "the path has too few load steps for a comparison with fewer"
     # m_N - m = (m_n - m_N) / (N/n - 1)
     ratio = paths.result.seal.n_steps / paths.coarse.seal.n_steps
     return (paths.coarse.value(measure) - value) / (ratio - 1.0)
@@ -274,4 +279,4 @@ def _by_penalties(measure: Measure, value, result: SealResult) -> np.ndarray | s
     if not errors:
         return np.zeros_like(value)
     found = errors[measure.name]
-    return found.error if found.estimable else "contact is about to part"
+    return found.error if found.estimable else "contact is about to separate"

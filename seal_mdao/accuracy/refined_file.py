@@ -57,7 +57,8 @@ def refined_file(file: SealFile, seal: OutlineSeal) -> RefinedFile:
         return RefinedFile(_with_spacing(file, finer), kept, parents)
     if seal.kernels.column != 1:
         raise ValueError(
-            "a stored cloud whose pressure is continuous through columns of cells cannot be refined"
+            "a stored cloud with pressure continuous through columns of cells cannot be refined; "
+            "use [section] with spacing, or a cloud with one pressure per cell"
         )
     # new particles at the boundary are on the curve, at half of the arc length between two old ones
     boundaries = doubled(section.outline, seal.boundaries)

@@ -141,7 +141,7 @@ def most_hours() -> float:
     except ValueError:
         hours = math.nan
     return values.real(
-        f"{HOURS} in the environment", given if math.isnan(hours) else hours, above=0.0
+        f"the environment variable {HOURS}", given if math.isnan(hours) else hours, above=0.0
     )
 
 
@@ -155,20 +155,21 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
         With estimate, limit and what to change.
     """
     there, hours = machine_memory(), most_hours()
-    what = f"the analysis of {body.n_particles} particles in {n_steps} load steps would take about"
+    what = f"the analysis of {body.n_particles} particles in {n_steps} load steps needs about"
     fewer = (
         "use fewer particles (rays, layers), Gauss points (quadrature of a seal file, n_gauss in "
         "Python) or load steps (steps, n_steps)"
     )
     if cost.memory > there:
         raise TooLargeError(
-            f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or a smaller "
-            "support"
+            f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or a "
+            "smaller kernel support (support)"
         )
     if cost.seconds > 3600.0 * hours:
         raise TooLargeError(
             f"{what} {duration(cost.seconds)}, and more than {hours:g} h are refused; {fewer}, a "
-            f"smaller support, or set {HOURS} in the environment if this is intended"
+            "smaller kernel support (support), or raise the limit with the environment variable "
+            f"{HOURS} (hours)"
         )
 
 

@@ -37,7 +37,10 @@ class PathProblem:
         for term in self.terms:
             if term.label == label:
                 return term
-        raise ValueError(f"no term {label!r}; known are {[term.label for term in self.terms]}")
+        raise ValueError(
+            f"there is no term with the label {label!r}; the labels are "
+            f"{[term.label for term in self.terms]}"
+        )
 
     @property
     def names(self) -> tuple:

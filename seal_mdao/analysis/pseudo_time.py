@@ -44,13 +44,16 @@ def ending(status: Status, options: NewtonOptions) -> str:
     if options.damped_iterations == 0:
         return ""
     if status is Status.MOVED_OFF:
-        return "Damped motion carries the body off: there is nothing that would hold it"
+        return (
+            "Damped motion (pseudo-time) moves the body away without limit: no constraint or "
+            "contact stops it"
+        )
     if status is Status.NOT_CONVERGED:
         return (
-            f"Damped motion did not come to rest within {options.damped_iterations} iterations; allow "
-            "more of them (damped_iterations of NewtonOptions)"
+            "Damped motion (pseudo-time) did not reach equilibrium within "
+            f"{options.damped_iterations} iterations; increase damped_iterations of NewtonOptions"
         )
-    return f"Damped motion did not help: {status.value}"
+    return f"Damped motion (pseudo-time) failed, too: {status.value}"
 
 
 def _follow(increment: Increment, d) -> Solution:

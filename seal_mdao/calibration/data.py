@@ -88,8 +88,8 @@ class MaterialTests:
     @property
     def cycles(self) -> str:
         """Description of a cyclic test for messages."""
-        counts = [f"{d.unloadings} of {name}" for name, d in self.modes.items() if d.unloadings]
-        return f"this is a cyclic test, with unloadings: {', '.join(counts)}"
+        counts = [f"{d.unloadings} in {name}" for name, d in self.modes.items() if d.unloadings]
+        return f"this is a cyclic test (unloadings: {', '.join(counts)})"
 
     @property
     def has_lateral(self) -> bool:
@@ -111,14 +111,15 @@ class MaterialTests:
         """
         if self.cyclic:
             raise MaterialDataError(
-                f"{self.source}: {self.cycles}; its stretches cannot be limited, because the stress "
-                "depends on the largest one so far"
+                f"{self.source}: {self.cycles}; a range of stretches cannot be cut out of it, "
+                "because the stress depends on the largest stretch before; leave the range out"
             )
         cut = {name: data.between(lower, upper) for name, data in self.modes.items()}
         cut = {name: data for name, data in cut.items() if data.stretch.size}
         if not cut:
             raise MaterialDataError(
-                f"{self.source}: no reading has a stretch between {lower:g} and {upper:g}"
+                f"{self.source}: no reading has a stretch between {lower:g} and {upper:g}; widen "
+                "the range of stretches"
             )
         return MaterialTests(cut, self.source)
 
@@ -137,7 +138,8 @@ def material_tests(readings: dict, source: str = "data") -> MaterialTests:
         arrays = [np.ravel(np.asarray(column, float)) for column in columns]
         if len(arrays) not in (2, 3) or len({array.size for array in arrays}) > 1:
             raise MaterialDataError(
-                f"{source}: {mode} needs stretch, stress and perhaps lateral stretch of one length"
+                f"{source}: {mode} needs arrays of stretch, stress and optionally lateral stretch "
+                f"of equal length, got lengths {[array.size for array in arrays]}"
             )
         for i, numbers in enumerate(zip(*arrays, strict=True)):
             _check(f"{source}, {mode}, reading {i + 1}", mode, *numbers)
@@ -169,7 +171,10 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
         (mode in MODES, "mode", f"unknown mode {mode[:40]!r}; allowed are {', '.join(MODES)}")
     ]
     for column, value in (("stretch", stretch), (LATERAL, lateral)):
-        ratio, limits = "a stretch is length over undeformed length", f"{low:g} and {high:g}"
+        ratio, limits = (
+            "a stretch is the deformed length over the undeformed length",
+            f"{low:g} and {high:g}",
+        )
         checks += [
             (np.isfinite(value), column, f"{value} is not a finite number"),
             (value > 0.0, column, f"{value:g} is not positive; {ratio}"),
@@ -179,7 +184,7 @@ def _check(where: str, mode: str, stretch: float, stress: float, lateral: float 
     opposite = (stretch - 1.0) * stress < 0.0 and abs(stretch - 1.0) > NEAR_ONE
     checks += [
         (abs(stress) <= LARGEST_STRESS, "stress_kPa",
-         f"{stress:g} is not a number within {LARGEST_STRESS:g} kPa"),
+         f"{stress:g} is not a number between -{LARGEST_STRESS:g} and {LARGEST_STRESS:g} kPa"),
         (not opposite, "stretch",
          f"{stretch:g} has a stress of {stress:g} kPa with the wrong sign; compression is a stretch "
          "below 1 with a negative stress (is this a strain?)"),
@@ -203,7 +208,13 @@ def _collected(rows, source: str) -> MaterialTests:
             lateral = columns[2] if len(columns) > 2 else None
             modes[name] = ModeData(columns[0], columns[1], lateral, count)
             if not np.any(modes[name].stress):
-                raise MaterialDataError(f"{source}: every stress of the mode {name} is zero")
+                raise MaterialDataError(
+                    f"{source}: every stress of the mode {name} is zero; correct or remove these "
+                    "readings"
+                )
     if not modes:
-        raise MaterialDataError(f"{source}: no reading has another stretch than 1")
+        raise MaterialDataError(
+            f"{source}: every reading has the stretch 1, so there is nothing to fit; add readings "
+            "at other stretches"
+        )
     return MaterialTests(modes, source)

@@ -124,8 +124,8 @@ def _ogden(tests, terms, nu, bulk):
 def _hyperfoam(tests, terms, nu, bulk):
     if nu is None and not tests.has_lateral:
         raise ValueError(
-            f"hyperfoam needs the column lateral_stretch for every mode, or a given Poisson's ratio; "
-            f"{tests.source} has none"
+            f"{tests.source}: hyperfoam needs the column lateral_stretch in every mode, or a given "
+            "Poisson's ratio (nu, --nu)"
         )
     numbers = range(1, terms + 1)
 
@@ -187,10 +187,14 @@ def family(
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
         raise ValueError(
-            f"{law} has 1 to {most} terms, got {terms}; {' and '.join(OF_TERMS)} have more than one"
+            f"{law} allows 1 to {most} terms, got {terms}; only {' and '.join(OF_TERMS)} can have "
+            "more than one"
         )
     if nu is not None and law != "hyperfoam":
-        raise ValueError(f"{law} is nearly incompressible; only hyperfoam takes Poisson's ratio nu")
+        raise ValueError(
+            f"{law} is nearly incompressible and has no Poisson's ratio, got nu = {nu:g}; leave nu "
+            "out (only hyperfoam has it)"
+        )
     if nu is not None:
         real("nu", nu, *POISSON)
     return _FAMILY_OF[LAWS[law]](tests, terms, nu, bulk_modulus)

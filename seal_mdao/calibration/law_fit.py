@@ -142,8 +142,9 @@ def fit(
     integer("seed", seed, 0)
     if tests.cyclic:
         raise MaterialDataError(
-            f"{tests.source}: {tests.cycles}; fit it with softening (seal-mdao fit, fit_softening), or "
-            "take its first loading alone (readings that are sorted by stretch are no cycles)"
+            f"{tests.source}: {tests.cycles}; fit it with softening (seal-mdao fit, "
+            "fit_softening), keep only the first loading, or, if the order of the readings has no "
+            "meaning, sort them by stretch"
         )
     kind = family(law, tests, **options)
     # Poisson's ratios are fitted to the lateral stretches unless given
@@ -152,7 +153,8 @@ def fit(
     count = len(kind.draw(np.random.default_rng(seed))[0])
     if tests.count * (2 if lateral else 1) < count:
         raise MaterialDataError(
-            f"{tests.source}: {tests.count} readings are too few for the {count} constants of {law}"
+            f"{tests.source}: {tests.count} readings are too few for the {count} constants of "
+            f"{law}; add readings, or use fewer terms or another law"
         )
     scale = max(np.abs(data.stress).max() for data in tests.modes.values())
     ends = _ends(kind, differences, scale, np.random.default_rng(seed), progress)
@@ -176,7 +178,7 @@ def _first_stable(ends, ranges, margin, allow_unstable, law, source):
             return end, stability
         # the message is about the best minimum
         refused = refused or stability
-    require_stable(refused, f"{source}: {law} with the constants that fit best")
+    require_stable(refused, f"{source}: {law} with the best-fit constants")
 
 
 # ---- starts ----
@@ -210,8 +212,14 @@ def _no_end(kind: Family, started) -> str:
         for _, values, _ in started:
             kind.template.with_(**values)
     except ValueError as error:
-        return f"{kind.law} with the constants that fit the data: {error}"
-    return f"{kind.law} is not defined at these stretches, from any start"
+        return (
+            f"the best-fit constants of {kind.law} are not admissible: {error}; choose another law "
+            "or correct the readings"
+        )
+    return (
+        f"the fit of {kind.law} failed from all {len(started)} start values, because its stress is "
+        "not finite at the tested stretches; limit the range of stretches or choose another law"
+    )
 
 
 def _best_moduli(template, unknowns, values, differences, scale):

@@ -44,7 +44,10 @@ def read_rows(
     columns = _header(*filled[0], required, optional)
     rows = [(where, _row(where, line, columns, words)) for where, line in filled[1:]]
     if not rows:
-        raise MaterialDataError(f"{path}: there is no reading below the line of column names")
+        raise MaterialDataError(
+            f"{path}: the file has column names but no readings below them; add at least one line "
+            "of numbers"
+        )
     return rows
 
 
@@ -78,7 +81,7 @@ def _header(where: str, line: str, required, optional) -> list[str]:
     needed = ", ".join(" or ".join(own) for own in choices)
     missing = [own for own in choices if not set(own) & set(columns)]
     if missing:
-        further = f" and perhaps {', '.join(optional)}" if optional else ""
+        further = f" and optionally {', '.join(optional)}" if optional else ""
         raise MaterialDataError(
             f"{where}: there is no column {' or '.join(map(repr, missing[0]))}; the columns are "
             f"{needed}{further}, separated by commas"
@@ -91,10 +94,14 @@ def _header(where: str, line: str, required, optional) -> list[str]:
         )
     twice = [column for column in columns if columns.count(column) > 1]
     if twice:
-        raise MaterialDataError(f"{where}: the column {twice[0]!r} is there twice")
+        raise MaterialDataError(
+            f"{where}: the column {twice[0]!r} occurs twice; remove or rename one"
+        )
     several = [own for own in choices if len(set(own) & set(columns)) > 1]
     if several:
-        raise MaterialDataError(f"{where}: only one of the columns {', '.join(several[0])} may be")
+        raise MaterialDataError(
+            f"{where}: the columns {', '.join(several[0])} exclude each other; keep one of them"
+        )
     return columns
 
 
@@ -104,7 +111,7 @@ def _row(where: str, line: str, columns: list[str], words) -> dict:
     if len(cells) != len(columns):
         raise MaterialDataError(
             f"{where}: {len(cells)} values for {len(columns)} columns ({', '.join(columns)}); "
-            "decimals need a point"
+            "separate columns by commas and write decimals with a point"
         )
     found = dict(zip(columns, cells, strict=True))
     for column in columns:

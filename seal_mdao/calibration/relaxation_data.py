@@ -116,12 +116,18 @@ def relaxation_tests(curves, ramp: float = 0.0, source: str = "data") -> Relaxat
     """
     curves, rows = list(curves), []
     if len({tuple(own[2:3]) in ((), (None,)) for own in curves}) > 1:
-        raise MaterialDataError(f"{source}: some curves have a temperature, others none")
+        raise MaterialDataError(
+            f"{source}: some curves have a temperature, others do not; give all of them a "
+            "temperature, or none"
+        )
     for i, (time, force, *more) in enumerate(curves, 1):
         temperature, test = (*more, None, "")[:2]
         arrays = [np.ravel(np.asarray(column, float)) for column in (time, force)]
         if arrays[0].size != arrays[1].size:
-            raise MaterialDataError(f"{source}: times and forces of curve {i} need one length")
+            raise MaterialDataError(
+                f"{source}: curve {i} has {arrays[0].size} times but {arrays[1].size} forces; give "
+                "as many of both"
+            )
         for k, (t, f) in enumerate(zip(*map(np.ndarray.tolist, arrays), strict=True), 1):
             row = {TIME: t, FORCES[1]: f, TEST: test or f"curve {i}"}
             row |= {} if temperature is None else {TEMPERATURE: float(temperature)}
@@ -164,7 +170,8 @@ def _collected(rows, ramp: float, source: str) -> RelaxationTests:
         groups.setdefault(key, []).append((row[TIME], row[force]))
     if not groups:
         raise MaterialDataError(
-            f"{source}: no reading is later than the loading, which ends at {ramp:g} s"
+            f"{source}: no reading is later than the end of the loading ramp at {ramp:g} s; add "
+            "later readings or give a shorter ramp"
         )
     curves = tuple(
         _curve(source, *key, np.array(own), force)
@@ -179,9 +186,9 @@ def _check(where: str, row: dict, force: str) -> None:
     checks = (
         (np.isfinite(time), TIME, f"{time} is not a finite number"),
         (time >= 0.0, TIME, f"{time:g} is negative; time counts from the start of the loading"),
-        (time <= LONGEST, TIME, f"{time:g} s are more than {LONGEST:g} s"),
+        (time <= LONGEST, TIME, f"{time:g} s is longer than the limit of {LONGEST:g} s"),
         (abs(row[force]) <= LARGEST_FORCE, force,
-         f"{row[force]:g} is not a number within {LARGEST_FORCE:g}"),
+         f"{row[force]:g} is not a number between -{LARGEST_FORCE:g} and {LARGEST_FORCE:g}"),
         (ABSOLUTE_ZERO < temperature <= HOTTEST, TEMPERATURE,
          f"{temperature:g} is not between {ABSOLUTE_ZERO:g} and {HOTTEST:g} degrees Celsius"),
         (row.get(TEST, "-") != "", TEST, "the name of the test is missing"),
@@ -200,14 +207,15 @@ def _curve(source, test, temperature, readings, force) -> RelaxationCurve:
     where = f"{source}: {found.label}"
     if np.unique(time).size < LEAST_READINGS:
         raise MaterialDataError(
-            f"{where}: {np.unique(time).size} different times are too few; a relaxation curve needs "
-            f"at least {LEAST_READINGS}"
+            f"{where}: {np.unique(time).size} different times are too few; a relaxation curve "
+            f"needs at least {LEAST_READINGS}"
         )
     wrong = np.flatnonzero(found.force <= 0.0)
     if wrong.size or sign == 0.0:
         at = time[wrong[0]]
         raise MaterialDataError(
-            f"{where}: {force} is zero or changes its sign at {at:g} s; the strain of a relaxation "
-            "test is constant, so the force falls, but not to zero"
+            f"{where}: {force} is zero or changes sign at {at:g} s; in a relaxation test at "
+            "constant strain the force decreases but keeps its sign, so correct the zero point or "
+            "remove the reading"
         )
     return found

@@ -91,8 +91,16 @@ def fit_relaxation(
             f"the shift {shift} needs at least {len(SHIFTS[shift].names) + 1} temperatures, "
             f"{tests.source} has {len(degrees)}",
         )
-    require(not entropic or several, "entropic moduli need tests at several temperatures")
-    require(terms is None or tau is None, "only one of terms and tau may be given")
+    require(
+        not entropic or several,
+        "entropic moduli (proportional to the absolute temperature) "
+        f"need tests at several temperatures, {tests.source} has "
+        f"{len(degrees)}; leave entropic out",
+    )
+    require(
+        terms is None or tau is None,
+        "terms (number of terms) and tau (relaxation times) exclude each other; give one of them",
+    )
     if terms is not None:
         integer("terms", terms, 1, MAX_TERMS)
     model = PronyModel(tests, 1, reference, "free" if several else None, entropic)
@@ -130,9 +138,13 @@ def _times(tau) -> np.ndarray:
     found = np.sort(np.ravel(numbers("tau", tau)))
     require(
         1 <= found.size <= MAX_TERMS and np.isfinite(found).all() and found[0] > 0.0,
-        f"tau must be 1 to {MAX_TERMS} positive numbers",
+        f"the relaxation times tau must be 1 to {MAX_TERMS} positive numbers (s), got "
+        f"{found.tolist()}",
     )
-    require(np.all(np.diff(found) > 0.0), "the relaxation times tau must differ from each other")
+    require(
+        np.all(np.diff(found) > 0.0),
+        f"the relaxation times tau must differ from each other, got {found.tolist()}",
+    )
     return found
 
 
@@ -140,14 +152,15 @@ def _checked(found: RelaxationFit, given: bool) -> RelaxationFit:
     source = found.tests.source
     if not found.g.size:
         raise MaterialDataError(
-            f"{source}: no relaxation is found: the force falls by less than its scatter, or rises; "
-            "the time has to count from the loading, and the strain has to be constant"
+            f"{source}: no relaxation found: the force rises, or decreases by less than its "
+            "scatter; check that the strain is constant and that times count from the start of the "
+            "loading"
         )
     if found.long_term < NONE:
-        cure = "shorter times tau" if given else "a longer test, or fewer terms (terms)"
+        cure = "shorter relaxation times tau" if given else "a longer test or fewer terms"
         raise MaterialDataError(
-            f"{source}: no long-term force is found: the sum of g would be 1, and the force zero after "
-            f"a long time; take {cure}"
+            f"{source}: no long-term modulus found: the sum of g would be 1, so that the force "
+            f"relaxes to zero; use {cure}"
         )
     return found
 
@@ -169,7 +182,7 @@ def _search(model, log_a, ratios, terms, progress):
             if terms:
                 raise MaterialDataError(
                     f"{model.tests.source}: {model.tests.count} readings are too few for the "
-                    f"{len(own.names)} constants of {n} terms"
+                    f"{len(own.names)} constants of {n} terms; use fewer terms or add readings"
                 )
             break
         x = _solve(own, starting_times(own, log_a, _sizes(own, ratios), before), log_a, ratios)
@@ -277,8 +290,9 @@ def _shift_function(model, x, name):
         lost = np.array(model.shifted)[~known].tolist()
         raise MaterialDataError(
             f"{model.tests.source}: the shift from {model.reference:g} to "
-            f"{', '.join(f'{t:g}' for t in lost)} °C is not determined: these curves have no part in "
-            "common, or are flat; add temperatures between them, or earlier readings"
+            f"{', '.join(f'{t:g}' for t in lost)} °C cannot be determined, because these curves do "
+            "not overlap with the others or are flat; add tests at temperatures between them, or "
+            "earlier readings"
         )
     own, degrees = np.array(own)[known], np.array(model.shifted)[known].tolist()
     # a factor is not more accurate than the resolution of a force

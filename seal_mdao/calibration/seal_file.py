@@ -85,7 +85,7 @@ def _table(material: str, part: str, notes, values: dict[str, str]) -> str:
     """Format a table of a material: its head, comments, and a line for every key."""
     if not re.fullmatch(r"[A-Za-z0-9_-]+", material):
         raise ValueError(
-            f"the name {material!r} of a material may only have letters, digits, _ and -"
+            f"the name of a material may contain only letters, digits, _ and -, got {material!r}"
         )
     lines = [f"[material.{material}{part}]", *(f"# {note}" for note in notes)]
     lines += [f"{key} = {value}" for key, value in values.items()]

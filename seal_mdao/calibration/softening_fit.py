@@ -57,12 +57,14 @@ def fit_softening(
     """
     if not tests.cyclic:
         raise MaterialDataError(
-            f"{tests.source}: no mode has an unloading, of which softening needs at least one"
+            f"{tests.source}: softening is identified from unloading, but no mode has an "
+            "unloading; add a cyclic test, or fit the law without softening"
         )
     if law == "hyperfoam":
         raise ValueError(
-            f"{tests.source} is a cyclic test; {law} is compressible, and softening is for nearly "
-            "incompressible laws"
+            f"{tests.source}: this is a cyclic test, but softening is available for nearly "
+            f"incompressible laws only, not for {law}; keep only the first loading, or fit another "
+            "law"
         )
     # a start, whose stability does not matter yet
     first = fit(
@@ -77,8 +79,8 @@ def fit_softening(
     below = tests.count - first.tests.count
     if below < len(softening):
         raise MaterialDataError(
-            f"{tests.source}: {below} readings below the largest stretch so far are too few for the "
-            f"{len(softening)} constants of the softening"
+            f"{tests.source}: {below} unloading or reloading readings (below the largest stretch "
+            f"before) are too few for the {len(softening)} constants of the softening; add readings"
         )
     differences = residuals(tests, weighting)
     ends = _ends(first, tests, [*unknowns, *softening], differences)
@@ -87,7 +89,7 @@ def fit_softening(
         best.law.law, {name: data.range for name, data in tests.modes.items()}, margin
     )
     if not allow_unstable:
-        require_stable(stability, f"{tests.source}: {law} with the constants that fit best")
+        require_stable(stability, f"{tests.source}: {law} with the best-fit constants")
     deviations, correlation = uncertainty(differences, best)
     _require_determined(best, deviations, correlation, tests)
     agreeing = sum(end.cost <= best.cost * (1.0 + SAME) + 1e-20 for end in ends)
@@ -149,7 +151,11 @@ def _ends(first: Fit, tests, unknowns, differences) -> list[End]:
         ends.append(descend(law, unknowns, own, differences, scale))
     ends = [end for end in ends if end is not None and np.isfinite(end.cost)]
     if not ends:
-        raise MaterialDataError(f"{tests.source}: {first.name} with softening cannot be fitted")
+        raise MaterialDataError(
+            f"{tests.source}: the fit of {first.name} with softening failed from every start "
+            "value, because its stress is not finite at the tested stretches; choose another law, "
+            "or fit the first loading alone"
+        )
     return sorted(ends, key=lambda end: end.cost)
 
 
@@ -168,9 +174,10 @@ def _require_determined(end: End, deviations: dict, correlation, tests) -> None:
     own = end.law.softening
     if own.r > 0.5 * MOST_R or deviations[R] > own.r:
         raise MaterialDataError(
-            f"{tests.source}: r of the softening is not determined ({own.r:.3g} with a standard error "
-            f"of {deviations[R]:.2g}): the stress of the unloading is that of the loading within the "
-            "scatter, or the unloading ends too early"
+            f"{tests.source}: r of the softening is not determined ({own.r:.3g} with a standard "
+            f"error of {deviations[R]:.2g}): the stress of unloading equals that of loading within "
+            "the scatter, or the unloading ends too early; unload further, or fit the law without "
+            "softening"
         )
     # s = m + beta W_max at the largest energy, and its standard error
     largest = _largest_energy(end.law.law, tests)
@@ -183,6 +190,6 @@ def _require_determined(end: End, deviations: dict, correlation, tests) -> None:
     if not np.isfinite(error).all() or spread > width:
         raise MaterialDataError(
             f"{tests.source}: m and beta of the softening are not determined: m + beta W_max is "
-            f"{width:.3g} kPa with a standard error of {spread:.2g}; they need readings at the "
-            "beginning of the unloading, where the stress falls"
+            f"{width:.3g} kPa with a standard error of {spread:.2g}; add readings at the beginning "
+            "of the unloading, where the stress drops"
         )

@@ -269,7 +269,7 @@ def write_series(result: SealResult, arguments) -> str:
 def export_to_abaqus(file, seal, path: Path) -> None:
     """Write the input file of Abaqus, and print what it does not contain."""
     for text in write_abaqus(file, seal, path):
-        print(f"WARNING: not in {path.name}: {text}")
+        print(f"WARNING: not exported to {path.name}: {text}")
     print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
 
 
@@ -354,12 +354,12 @@ def arguments_parser():
     )  # fmt: skip
     made.add_argument(
         "--errors", action="store_true",
-        help="estimate the errors of all measures by particles, load steps and penalties; takes one "
-        "to three times as long as the analysis",
+        help="estimate the errors of all measures caused by particles, load steps and penalties; "
+        "this takes one to three times as long as the analysis",
     )  # fmt: skip
     made.add_argument(
         "--abaqus",
         action="store_true",
-        help="write seal.inp, section, contact and motion for Abaqus",
+        help="write seal.inp, an Abaqus input file with section, contact and motion",
     )
     return made

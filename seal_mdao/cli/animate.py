@@ -36,7 +36,7 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "-o", dest="animation", type=Path, default=Path("close.gif"), metavar="NAME",
-        help="animation to write: .gif, .html, or .mp4 with the program ffmpeg",
+        help="file to write: .gif, .html or .mp4 (needs the program ffmpeg)",
     )  # fmt: skip
     made.add_argument("--fps", type=int, default=12, metavar="N", help="frames per second")
     return made

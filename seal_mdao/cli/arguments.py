@@ -79,7 +79,9 @@ def parser(
     # options common to all subcommands
     made.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help="folder to write")
     made.add_argument("--quiet", action="store_true", help="print errors only, no progress")
-    made.add_argument("--json", action="store_true", help="print summary.json in place of lines")
+    made.add_argument(
+        "--json", action="store_true", help="print summary.json instead of text lines"
+    )
     return made
 
 
@@ -116,16 +118,21 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     add("corner_x", float, "x at which the flat part of the corner door ends", metavar="MM")
     add("segments", int, "straight segments of the door; default: the exact curve", metavar="N")
     # particles, kernels
-    add("rays", int, "particles around the ring, a multiple of 58", metavar="N")
-    add("layers", int, "particles across the wall", metavar="N")
-    add("refinement", int, "parts of an interval between radial rows under the door", metavar="N")
-    add("support", float, "kernel support over the longest cell edge", metavar="S")
+    add("rays", int, "number of particles around the ring, a multiple of 58", metavar="N")
+    add("layers", int, "number of particles across the wall", metavar="N")
+    add(
+        "refinement",
+        int,
+        "number of parts into which every interval between radial rows under the door is divided",
+        metavar="N",
+    )
+    add("support", float, "kernel support as a multiple of the longest cell edge", metavar="S")
     # load path
-    add("n_steps", int, "load steps", metavar="N")
+    add("n_steps", int, "number of load steps", metavar="N")
     add("depth", float, "final depth of the door below the top of the nominal seal", metavar="MM")
     # contact penalties
-    add("normal_penalty", float, "normal contact stiffness, kPa/mm", metavar="W_N")
-    add("tangent_penalty", float, "tangential contact stiffness, kPa/mm", metavar="W_T")
+    add("normal_penalty", float, "penalty of normal contact, kPa/mm", metavar="W_N")
+    add("tangent_penalty", float, "penalty of tangential contact, kPa/mm", metavar="W_T")
 
 
 def positive_integer(text: str) -> int:
@@ -143,7 +150,9 @@ def travel(text: str) -> float:
         # nan fails the range test below: one message for both faults
         value = math.nan
     if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a travel of the door, 0 mm or more")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a valid travel of the door; give a number of at least 0 (mm)"
+        )
     return value
 
 
@@ -154,7 +163,7 @@ def percentage(text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0.0 < value <= 0.5:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage above 0, at most 50")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage above 0 and at most 50")
     return value
 
 
@@ -282,9 +291,9 @@ def _saved(out: Path, before: dict[str, int]) -> str:
     kept = {CASES, SAMPLES, "summary.json"} & there.keys()
     names = sorted(kept | {name for name, time in there.items() if before.get(name) != time})
     if not names:
-        return f"nothing is in {out}"
+        return f"nothing was saved in {out}"
     listed = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-    return f"{listed} in {out} {'is' if len(names) == 1 else 'are'} as written last"
+    return f"saved in {out}: {listed}"
 
 
 def _given(made: argparse.ArgumentParser, argv) -> set[str]:
@@ -354,8 +363,8 @@ def print_penalty_errors(result) -> None:
     parts += [unknown] if unknown else []
     if parts:
         print(
-            f"error by the contact penalties alone, estimated: {'; '.join(parts)}; those of particles "
-            "and load steps come on top"
+            f"error by the contact penalties alone, estimated: {'; '.join(parts)}; discretisation "
+            "errors of particles and load steps are not included"
         )
 
 
@@ -414,7 +423,10 @@ def design_from(path: Path, seal: sm.Seal) -> tuple[np.ndarray, dict]:
         raise WrongArgumentError(f"cannot read the design {path}: {error.strerror}") from None
     except (ValueError, KeyError, TypeError, RecursionError):
         # not JSON, or JSON of something else
-        text = f"{path} is not a summary.json with boundary_offsets and door_radius"
+        text = (
+            f"{path} is not the summary.json of a door seal: boundary_offsets or door_radius is "
+            "missing or invalid"
+        )
         raise WrongArgumentError(text) from None
     with checked_arguments():
         # values are checked against the seal's shapes and ranges

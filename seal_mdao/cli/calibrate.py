@@ -76,19 +76,22 @@ def readings(path: Path, units) -> tuple[np.ndarray, str, np.ndarray]:
     for values, name in ((along, column), (measured, force)):
         wrong = np.flatnonzero(~np.isfinite(values))
         if wrong.size:
-            raise WrongArgumentError(f"{rows[wrong[0]][0]}, column {name}: it is not finite")
+            raise WrongArgumentError(
+                f"{rows[wrong[0]][0]}, column {name}: the value is not finite; correct or remove "
+                "this line"
+            )
     wrong = np.flatnonzero(along <= 0.0)
     if wrong.size:
         raise WrongArgumentError(
-            f"{rows[wrong[0]][0]}, column {column}: {along[wrong[0]]:g} is not above zero, where the "
-            "path begins"
+            f"{rows[wrong[0]][0]}, column {column}: {along[wrong[0]]:g} is not above 0, the start "
+            "of the path; remove this line or correct the zero point"
         )
     back = np.flatnonzero(np.diff(along) <= 0.0)
     if back.size:
         raise WrongArgumentError(
             f"{rows[back[0] + 1][0]}, column {column}: {along[back[0] + 1]:g} is not above "
-            f"{along[back[0]]:g} of the line before; {TRAVEL} is the way that the profile has gone, "
-            "which increases when it goes back, too"
+            f"{along[back[0]]:g} of the previous line; {TRAVEL} is the accumulated distance that "
+            "the profile has moved, which increases during unloading, too"
         )
     return along, column, measured
 
@@ -104,16 +107,21 @@ def force_of(seal, arguments, where: str, along) -> Reaction:
     """
     moving = {own.label: own for own in contacts(seal) if own.motion.travel > 0.0}
     if not moving:
-        raise WrongArgumentError(f"{arguments.file} has no profile that moves")
+        raise WrongArgumentError(
+            f"{arguments.file}: no profile moves, so a measured force cannot be compared; give a "
+            "[[profile]] a [[profile.stage]]"
+        )
     profile = arguments.profile
     if profile is None and len(moving) > 1:
         raise WrongArgumentError(
-            f"--profile is missing: on which of {', '.join(moving)} the force was measured"
+            "--profile is missing; name the profile on which the force was measured: "
+            f"{' or '.join(moving)}"
         )
     profile = next(iter(moving)) if profile is None else profile
     if profile not in moving:
         raise WrongArgumentError(
-            f"--profile: {profile!r} is no profile that moves; they are {', '.join(moving)}"
+            f"--profile: {profile!r} is not a moving profile; the moving profiles are "
+            f"{', '.join(moving)}"
         )
     places = {"times" if where == TIME else "travels": tuple(along.tolist())}
     direction = -travel_direction(moving[profile].motion, 0.0)[0]
@@ -128,8 +136,9 @@ def force_of(seal, arguments, where: str, along) -> Reaction:
         end = motion.travel - seal.before_touch
         if along[-1] > end + ROUNDING * motion.travel:
             raise WrongArgumentError(
-                f"{arguments.csv}: {along[-1]:g} mm of travel, but {profile} goes {end:.6g} mm after it "
-                "touches the seal"
+                f"{arguments.csv}: the readings end at a travel of {along[-1]:g} mm, but {profile} "
+                f"moves only {end:.6g} mm after first contact with the seal; leave out the "
+                f"readings beyond, or extend the motion in {arguments.file}"
             )
     return force
 
@@ -171,20 +180,24 @@ def report(found: ForceCalibration, units: dict, out: Path) -> None:
     )
     for name in found.at_bounds:
         print(
-            f"WARNING: {name} ended ten times above or below its first value; give it a better one"
+            f"WARNING: {name} reached its bound, ten times above or below its start value; give a "
+            "better start value in the seal file"
         )
     lost = [n for n, e in zip(found.names, found.standard_errors, strict=True) if np.isinf(e)]
     if lost:
         print(
-            f"WARNING: these readings leave {', '.join(lost)} undetermined; find fewer parameters"
+            f"WARNING: these readings do not determine {', '.join(lost)}; identify fewer parameters"
         )
     for i, j in np.argwhere(np.triu(np.abs(found.correlation), 1) > TOGETHER):
         print(
             f"WARNING: {found.names[i]} and {found.names[j]} are correlated "
-            f"({found.correlation[i, j]:.4f}): the readings tell little but a combination of them"
+            f"({found.correlation[i, j]:.4f}): the readings determine only a combination of them"
         )
     if not found.converged:
-        print("WARNING: the calibration has not converged; start nearer to the data")
+        print(
+            "WARNING: the calibration has not converged; choose start values in the seal file "
+            "whose force is closer to the measured one"
+        )
     print(f"calibration.png, readings.csv and summary.json in {out}")
 
 
@@ -194,13 +207,13 @@ def arguments_parser():
         "seal-mdao calibrate seal.toml force.csv --find c10 friction",
     )  # fmt: skip
     made.add_argument(
-        "file", type=Path, metavar="FILE", help="seal file (TOML) with the first values"
+        "file", type=Path, metavar="FILE", help="seal file (TOML) with the start values"
     )
     made.add_argument(
         "csv", type=Path, metavar="CSV",
-        help=f"measured forces: columns {TRAVEL} (distance moved by the profile since its "
-        f"first touch, which increases during unloading too) or {TIME} (from the start of "
-        "the path), and force_N_per_m, for a body of revolution force_N",
+        help=f"measured forces: columns {TRAVEL} (accumulated distance of the profile since first "
+        f"contact, which increases during unloading, too) or {TIME} (from the start of the "
+        "path), and force_N_per_m, for a body of revolution force_N",
     )  # fmt: skip
     made.add_argument(
         "--find", nargs="+", required=True, metavar="NAME",

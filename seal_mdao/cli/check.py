@@ -106,12 +106,12 @@ def report(summary: dict, steps: int, picture: Path) -> None:
         ["load steps"] * ("load steps" in summary["to_be_chosen"])
         + ["penalties"] * any(own != "load steps" for own in summary["to_be_chosen"])
     )
-    choosing = f"{duration(choice)} for choosing {chosen} and " if chosen else ""
+    choosing = f"{duration(choice)} for the choice of {chosen} and " if chosen else ""
     print(
-        f"seal-mdao analyze with {steps} load steps takes about {total}, of which {choosing}"
-        f"{duration(output)} for its start and figures, and "
-        f"{summary['estimated_memory_GiB']:.2g} GiB; where load steps are cut or stability is lost, up "
-        f"to {LONGEST} times as long"
+        f"seal-mdao analyze with {steps} load steps takes about {total}, of which "
+        f"{choosing}{duration(output)} for start-up and figures, and "
+        f"{summary['estimated_memory_GiB']:.2g} GiB; where load steps are cut or stability is "
+        f"lost, up to {LONGEST} times as long"
     )
     for text in summary["warnings"]:
         print(f"WARNING: {text}")

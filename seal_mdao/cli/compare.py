@@ -22,7 +22,10 @@ def main(arguments) -> int:
     files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
     for file in files.values():
         if not file.profiles:
-            raise WrongArgumentError(f"{file.path} has no profile, so it has no curve to compare")
+            raise WrongArgumentError(
+                f"{file.path}: there is no [[profile]], so there is no load-deflection curve to "
+                "compare"
+            )
     results, summary = {}, {}
     for name, file in files.items():
         print(f"{name}: {file.path}")
@@ -55,7 +58,10 @@ def names_of(paths) -> list[str]:
         for path in paths
     ]
     if len(set(names)) < len(names):
-        raise WrongArgumentError("two of the files have the same name; compare different files")
+        raise WrongArgumentError(
+            "two of the files have the same name without folder and ending, by which the seals are "
+            "labelled; rename one"
+        )
     return names
 
 

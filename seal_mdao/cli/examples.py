@@ -21,7 +21,7 @@ def main(arguments) -> int:
     source = folder / f"{name}.toml"
     if not source.is_file():
         known = ", ".join(path.stem for path in sorted(folder.glob("*.toml")))
-        raise WrongArgumentError(f"there is no example {name!r}; there are {known}")
+        raise WrongArgumentError(f"there is no example {name!r}; the examples are {known}")
     text = source.read_text(encoding="utf-8")
     # the drawings and data that the file names
     beside = [path for path in folder.iterdir() if path != source and f'"{path.name}"' in text]
@@ -29,7 +29,10 @@ def main(arguments) -> int:
     # check all before copying any
     for path in paths:
         if (arguments.out / path.name).exists():
-            raise WrongArgumentError(f"{arguments.out / path.name} exists; remove it first")
+            raise WrongArgumentError(
+                f"{arguments.out / path.name} already exists; remove it or choose another folder "
+                "(--out)"
+            )
     for path in paths:
         print(shutil.copy(path, arguments.out / path.name))
     return 0
@@ -47,7 +50,7 @@ def examples_folder() -> Path:
     for folder in (Path(__file__).parents[2] / "examples", INSTALLED):
         if (folder / "d_bulb.toml").is_file():
             return folder
-    raise WrongArgumentError(f"no examples in {INSTALLED}; install seal_mdao again")
+    raise WrongArgumentError(f"the folder of examples {INSTALLED} is missing; reinstall seal_mdao")
 
 
 def summary_of(path: Path) -> str:

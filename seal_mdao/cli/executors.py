@@ -20,16 +20,19 @@ def add_executor_arguments(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     group.add_argument(
         "--executor", choices=EXECUTORS, default=EXECUTORS[0],
-        help="mpi: start with mpiexec -n N python -m mpi4py.futures SCRIPT",
+        help="how analyses run in parallel; mpi needs a start with mpiexec -n N python -m "
+        "mpi4py.futures SCRIPT",
     )  # fmt: skip
     group.add_argument(
-        "--dask-address", metavar="HOST:PORT", help="scheduler of a running Dask cluster"
+        "--dask-address",
+        metavar="HOST:PORT",
+        help="address of the scheduler of a running Dask cluster",
     )
 
 
 def _count(text: str) -> int:
     if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 on")
+        raise argparse.ArgumentTypeError(f"{text!r} is not an integer of at least 0")
     return int(text)
 
 

@@ -70,9 +70,11 @@ def require_options(arguments, relaxation: bool) -> None:
     for name in OF_LAWS if relaxation else OF_RELAXATION:
         if name in arguments.given:
             option = f"--{name.replace('_', '-')}"
-            raise WrongArgumentError(f"{option} is for {other}; {arguments.csv} has {own}")
+            raise WrongArgumentError(
+                f"{option} is for {other}, but {arguments.csv} has {own}; leave this option out"
+            )
     if not relaxation and arguments.law is None:
-        raise WrongArgumentError(f"--law is missing: the law to fit, one of {', '.join(LAWS)}")
+        raise WrongArgumentError(f"--law is missing; name the law to fit, one of {', '.join(LAWS)}")
 
 
 def fit_law(arguments) -> int:
@@ -108,7 +110,9 @@ def fitted(arguments) -> Fit:
         tests = tests.between(*arguments.stretches)
     # only series laws have a number of terms
     if arguments.terms is not None and arguments.law not in OF_TERMS:
-        raise WrongArgumentError(f"--terms is for {' and '.join(OF_TERMS)}, not {arguments.law}")
+        raise WrongArgumentError(
+            f"--terms is for {' and '.join(OF_TERMS)} only, not for {arguments.law}; leave it out"
+        )
     with tqdm(unit="start", disable=None, leave=False, desc=arguments.law) as bar:
 
         def progress(done, of):
@@ -172,7 +176,7 @@ def notes(found: Fit, arguments) -> list[str]:
     lines = [f"kPa; fitted to {Path(arguments.csv).name}", f"stretches: {', '.join(parts)}"]
     # isochoric tests determine no bulk modulus
     if found.law.bulk_modulus:
-        lines.append("bulk_modulus is not from these tests")
+        lines.append("bulk_modulus is not determined by these tests")
     if not found.stable:
         lines.append("NOT STABLE over the tested stretches")
     return lines
@@ -182,15 +186,15 @@ def softening_notes(found: Fit) -> list[str]:
     """Write the comment lines above the constants of the softening."""
     lines = ["Mullins effect, law of Ogden and Roxburgh; m in kPa"]
     if BETA not in found.unknowns:
-        lines.append("one amplitude determines m + beta W_max alone: beta is taken as 0")
+        lines.append("a single amplitude determines only m + beta W_max, so beta is set to 0")
     return lines
 
 
 def report(found: Fit, table: str, out: Path) -> None:
     if found.softening is not None:
         print(
-            f"{found.tests.cycles}: softening is fitted (if the order of the file is not that of a "
-            "test, sort it by stretch)"
+            f"{found.tests.cycles}: softening is fitted, too (if the order of the readings has no "
+            "meaning, sort them by stretch)"
         )
     for name, value in found.tested_law.constants.items():
         # fixed constants have no standard error
@@ -219,8 +223,9 @@ def report_outliers(outliers) -> None:
         )
     if outliers:
         print(
-            f"outliers that take part in the fit: {len(outliers)}; they are mistakes in the data, to be "
-            "corrected, or stretches where another law is needed (all are in residuals.csv)"
+            f"{len(outliers)} outliers are included in the fit; correct them if they are errors of "
+            "measurement, otherwise the law does not describe these stretches (all residuals are "
+            "in residuals.csv)"
         )
 
 
@@ -228,16 +233,22 @@ def arguments_parser():
     made = parser(__doc__, "out/material", "CSV", "seal-mdao fit tests.csv --law yeoh")
     made.add_argument(
         "csv", type=Path, metavar="CSV",
-        help="columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa (nominal; loading and "
-        "unloading in the order of a cyclic test), and lateral_stretch for hyperfoam if measured; or "
-        "time_s and one of stress_kPa, force_N, ratio, and perhaps temperature_degC and test",
+        help="test data with columns mode (uniaxial, planar, equibiaxial), stretch, stress_kPa "
+        "(nominal; cyclic tests in the order of measurement) and optionally lateral_stretch "
+        "(hyperfoam); or a relaxation test with columns time_s, one of stress_kPa, force_N, "
+        "ratio, and optionally temperature_degC and test",
     )  # fmt: skip
     made.add_argument(
         "--terms", type=positive_integer, metavar="N",
         help=f"terms of {' and '.join(OF_TERMS)}, at most {MAX_TERMS}, default 1; or of the Prony "
         "series, default as many as the data justify",
     )  # fmt: skip
-    made.add_argument("--name", default="rubber", metavar="NAME", help="material in the seal file")
+    made.add_argument(
+        "--name",
+        default="rubber",
+        metavar="NAME",
+        help="name of the material in the seal file",
+    )
     add_law_options(made.add_argument_group("stress over stretch").add_argument)
     add_relaxation_options(made.add_argument_group("relaxation").add_argument)
     return made
@@ -245,7 +256,12 @@ def arguments_parser():
 
 def add_law_options(add) -> None:
     add("--law", choices=tuple(LAWS), help="law to fit")
-    add("--nu", type=float, metavar="NU", help="Poisson's ratio of hyperfoam, if not measured")
+    add(
+        "--nu",
+        type=float,
+        metavar="NU",
+        help="Poisson's ratio of hyperfoam, if lateral stretches were not measured",
+    )
     add(
         "--weighting",
         choices=WEIGHTINGS,
@@ -258,14 +274,14 @@ def add_law_options(add) -> None:
     )  # fmt: skip
     add(
         "--bulk-modulus", type=float, default=80_000.0, metavar="KPA",
-        help="bulk modulus of the law, which these tests do not determine",
+        help="bulk modulus to write into the seal file; these tests do not determine it",
     )  # fmt: skip
     add(
         "--margin", type=float, default=MARGIN, metavar="FRACTION",
-        help="widen the tested ranges by this fraction of ln(stretch) for the check of stability",
+        help="check material stability in the tested ranges of ln(stretch) widened by this fraction",
     )  # fmt: skip
     add("--allow-unstable", action="store_true", help="accept constants that are not stable")
-    add("--seed", type=int, default=0, metavar="N", help="seed of the start values")
+    add("--seed", type=int, default=0, metavar="N", help="seed of the random start values")
 
 
 def add_relaxation_options(add) -> None:

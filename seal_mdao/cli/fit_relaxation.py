@@ -123,7 +123,7 @@ def report(found: RelaxationFit, table: str, out: Path) -> None:
         relative = errors.get(f"ln_tau_{i}")
         given = "given" if relative is None else f"+- {100 * relative:.2g} %"
         print(f"g_{i:<3d} {g:9.5f}  +- {errors[f'g_{i}']:<8.2g} tau_{i:<3d} {tau:10.4g} s  {given}")
-    print(f"long-term modulus over instantaneous one: {found.long_term:.4f}")
+    print(f"ratio of long-term to instantaneous modulus: {found.long_term:.4f}")
     if found.shift is not None:
         for name, value in zip(found.shift.names, found.shift.constants, strict=True):
             print(f"{found.shift.name}: {name} {value:.5g}  +- {errors[name]:.2g}")
@@ -135,18 +135,19 @@ def report(found: RelaxationFit, table: str, out: Path) -> None:
         print(f"{found.tests.unused} readings before the end of the loading are left out")
     if found.shift is not None and shares_no_force(found):
         print(
-            "WARNING: every temperature has a force of its own, so that the shift rests on the bend of "
-            "the curves alone, and its standard error may be too small; the column test with one name "
-            "for curves of one specimen makes them share their force"
+            "WARNING: every temperature has a force scale of its own, so the shift is determined "
+            "by the curvature of the curves alone and its standard error may be too small; if one "
+            "specimen was tested at several temperatures, give these curves the same name in the "
+            "column test"
         )
     if found.shift is not None and found.rms > POOR * found.rms_free:
         print(
-            f"WARNING: with free factors of the temperatures the difference is "
-            f"{100 * found.rms_free:.2g} %: {found.shift.name} does not fit these temperatures"
+            f"WARNING: the shift law {found.shift.name} does not describe these temperatures: with "
+            "a free shift factor for every temperature the RMS difference is only "
+            f"{100 * found.rms_free:.2g} %"
         )
     print(
-        f"in the last tested decade, up to {found.time_range[1]:.3g} s, the modulus falls by "
-        f"{100 * found.fall_at_end:.2g} %; the series assumes that it "
-        "falls no further later"
+        f"in the last tested decade, up to {found.time_range[1]:.3g} s, the modulus decreases by "
+        f"{100 * found.fall_at_end:.2g} %; the Prony series assumes no further decrease later"
     )
     print(f"files in {out}\n\n{table}", end="")

@@ -71,7 +71,12 @@ def show_own_problem(history, results, out: Path) -> int:
 
 def arguments_parser():
     made = parser(__doc__, "out/history", "CASES.sql", "seal-mdao history out/best/cases.sql")
-    made.add_argument("cases", type=Path, metavar="CASES.sql", help="file of a SqliteRecorder")
+    made.add_argument(
+        "cases",
+        type=Path,
+        metavar="CASES.sql",
+        help="recorder file of an optimisation (SqliteRecorder of OpenMDAO)",
+    )
     add_seal_arguments(made)
     made.epilog += ". Options of the seal are used only when the file does not hold its settings."
     return made

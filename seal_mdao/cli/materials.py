@@ -14,7 +14,7 @@ def main(arguments) -> int:
         for row in (found.head, *found.rows):
             print("  " + "  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)))
         print("\n" + "\n".join(f"  {note}" for note in found.notes) + "\n")
-    print(f"with constants, given or fitted to tests: law = {', '.join(LAWS)}")
+    print(f"laws with constants (given, or fitted to tests): law = {', '.join(LAWS)}")
     return 0
 
 

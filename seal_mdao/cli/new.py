@@ -62,7 +62,10 @@ def main(arguments) -> int:
     path = arguments.out / f"{name}.toml"
     # never overwrite a file that may have been edited
     if path.exists():
-        raise WrongArgumentError(f"{path} exists; take another name")
+        raise WrongArgumentError(
+            f"{path} already exists; choose another NAME or another folder (--out), or remove the "
+            "file"
+        )
     if arguments.drawing is None:
         # the commented bulb
         text = BULB.format(name=name, rubber=RUBBER)
@@ -80,15 +83,15 @@ def main(arguments) -> int:
 
 def arguments_parser():
     made = parser(__doc__, ".", "NAME", "seal-mdao new bulb && seal-mdao check bulb.toml")
-    made.add_argument("name", metavar="NAME", help="NAME.toml is written")
+    made.add_argument("name", metavar="NAME", help="name of the seal; NAME.toml is written")
     made.add_argument(
         "--from", dest="drawing", type=existing_file, metavar="DRAWING.dxf",
-        help="take the section from a drawing whose layers are the edges",
+        help="take the section from this drawing; each layer becomes an edge",
     )  # fmt: skip
     made.add_argument(
         "--units",
         choices=tuple(MODEL_UNITS),
-        help="unit of length of a drawing whose header has none",
+        help="units of the drawing, if its header has none",
     )
     made.add_argument(
         "--parting", nargs="+", metavar="LAYER",

@@ -139,15 +139,15 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
     # the design variables mean the same only for the same file
     if recorded != problem_settings(file):
         raise WrongArgumentError(
-            f"--restart: {cases} was recorded with another seal file than {arguments.file} is now; a "
-            "run is continued with its own"
+            f"--restart: {arguments.file} has changed since {cases} was recorded with it; restore "
+            "the file of the recorded run, or begin a new run without --restart"
         )
     optimizer = recorded_optimizer(cases) or arguments.optimizer
     # the recorded iterations belong to one optimiser
     if "optimizer" in arguments.given and optimizer != arguments.optimizer:
         raise WrongArgumentError(
-            f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}; a run is "
-            "continued with its own, so leave this argument out"
+            f"--optimizer {arguments.optimizer}: {cases} was recorded with {optimizer}, and a "
+            "restart uses the recorded optimiser; leave this argument out"
         )
     return optimizer, chosen
 
@@ -199,7 +199,7 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     largest, unknown = largest_penalty_error(result) if result.converged else (None, "")
     if largest is None:
         return []
-    text = "estimated, of the measures of the last design" + (f"; {unknown}" if unknown else "")
+    text = "estimated for the measures of the last design" + (f"; {unknown}" if unknown else "")
     return [("error by penalties alone", f"{largest[1]:.2%}", text)]
 
 
@@ -226,7 +226,7 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
         # discretisation error of the optimum: same outline, new particles
         result = on_new_cloud(design, file)
     except (sm.GeometryError, sm.SealFileError) as error:
-        return f"{said} (not analysed with new particles: {error})", None
+        return f"{said} (not verified with new particles: {error})", None
     if not result.converged:
         return said, None
     return said, {measure.name: result.value(measure) for measure in result.measures()}
@@ -252,7 +252,7 @@ def arguments_parser():
         "file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]"
     )
     add_optimization_arguments(
-        made, "continue the run of the same FILE recorded here, with its load steps, penalties and "
-        "optimiser; without --out in its folder",
+        made, "continue the run of the same FILE recorded in CASES.sql, with its load steps, "
+        "penalties and optimiser; default of --out: the folder of CASES.sql",
     )  # fmt: skip
     return made

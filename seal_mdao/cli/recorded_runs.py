@@ -37,8 +37,8 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
         optimizer = recorded_optimizer(path)
     if problem is None or FILE in problem.settings:
         raise WrongArgumentError(
-            f"{path} does not hold the settings of a door seal; the run of a seal file is continued by "
-            "seal-mdao optimize FILE --restart"
+            f"{path} does not contain the settings of a door seal; restart the run of a seal file "
+            f"with seal-mdao optimize FILE --restart {path}"
         )
     # recorded settings: options of the seal, problem, optimiser
     options = options_of(problem.seal)
@@ -82,7 +82,7 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
     continues = source is not None and cases.exists() and cases.samefile(source)
     if cases.exists() and not continues and not arguments.overwrite:
         raise WrongArgumentError(
-            f"{cases} holds another run; take another folder (--out), continue that run "
+            f"{cases} contains an earlier run; choose another folder (--out), continue that run "
             f"(--restart {cases}), or replace it (--overwrite)"
         )
     return cases
@@ -114,6 +114,6 @@ def _argument(name: str, value) -> str:
 def _require_same(path: Path, name: str, given, recorded, argument: str) -> None:
     if given != recorded:
         raise WrongArgumentError(
-            f"{argument}: {path} was recorded with {name} = {recorded}; a run is continued with its "
-            "own settings, so leave this argument out"
+            f"{argument}: {path} was recorded with {name} = {recorded}, and a restart uses the "
+            "recorded settings; leave this argument out"
         )

@@ -20,7 +20,10 @@ def main(arguments) -> int:
     file, tried = file_of(arguments.file), []
     written = arguments.out / f"{arguments.file.stem}.toml"
     if written.resolve() == arguments.file.resolve():
-        raise WrongArgumentError("argument --out: the file in this folder would be overwritten")
+        raise WrongArgumentError(
+            f"argument --out: {written} is the seal file itself and would be overwritten; choose "
+            "another folder"
+        )
     with file_errors(arguments.file):
         require_line(arguments.file)
 
@@ -52,7 +55,10 @@ def main(arguments) -> int:
     write_summary(
         arguments.out, {"tolerance": arguments.to, "clouds": clouds, "file": written.name}
     )
-    print(f"{written}: with this spacing; errors.png, section.png and summary.json beside it")
+    print(
+        f"{written} has this spacing; errors.png, section.png and summary.json are in the same "
+        "folder"
+    )
     return 0
 
 
@@ -63,7 +69,10 @@ SPACING = re.compile(r"(?m)^spacing\s*=.*$")
 def require_line(path: Path) -> None:
     """Raise ValueError for a seal file without a line of its own for ``spacing``."""
     if not SPACING.search(path.read_text(encoding="utf-8")):
-        raise ValueError('[section] needs a line of its own with "spacing = ..."')
+        raise ValueError(
+            "spacing of [section] must be on a separate line, spacing = ..., so that it can be "
+            "replaced"
+        )
 
 
 def refined_text(path: Path, cloud: Cloud, folder: Path) -> str:
@@ -86,10 +95,12 @@ def refined_text(path: Path, cloud: Cloud, folder: Path) -> str:
 
 def arguments_parser():
     made = parser(__doc__, "out/refined", "FILE", "seal-mdao refine bulb.toml --to 1")
-    made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML) with a spacing")
+    made.add_argument(
+        "file", type=Path, metavar="FILE", help="seal file (TOML) with spacing in [section]"
+    )
     made.add_argument(
         "--to", type=percentage, default=0.01, metavar="PERCENT",
-        help="largest error bar of a measure, percent of its value",
+        help="allowed error bar of every measure, in percent of its value",
     )  # fmt: skip
     made.add_argument(
         "--measures", nargs="+", metavar="NAME", help="measures of the file; default: all"

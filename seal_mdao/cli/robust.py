@@ -98,7 +98,7 @@ def begin_anew_or_continue(arguments) -> None:
     cases = arguments.out / CASES
     if arguments.restart is None and cases.is_file():
         arguments.restart = cases
-        print(f"continuing {cases} (--overwrite starts again)")
+        print(f"continuing {cases} (--overwrite begins a new run)")
 
 
 def optimize_robustly(
@@ -201,7 +201,7 @@ def arguments_parser():
     )
     add(
         "--fraction", type=float, default=goal.share, metavar="F",
-        help="required fraction of samples within every limit",
+        help="required fraction of samples that satisfy each limit",
     )  # fmt: skip
     add(
         "--minimize", choices=GOALS, default=goal.minimize,
@@ -212,11 +212,11 @@ def arguments_parser():
         type=float,
         default=goal.deviations,
         metavar="K",
-        help="factor K of mean + K std",
+        help="factor K of the standard deviation in the objective",
     )
     add(
         "--band", type=float, default=goal.band, metavar="FRACTION",
-        help="allowed relative change of the nominal seal's reaction",
+        help="allowed relative deviation from the reaction of the nominal seal",
     )  # fmt: skip
     add(
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
@@ -228,8 +228,8 @@ def arguments_parser():
         f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
     )  # fmt: skip
     add_optimization_arguments(
-        made, "continue the run recorded here, with the nominal optimum beside it; without --out in its "
-        "folder, samples included; a run in --out is continued without",
+        made, "continue the run recorded in CASES.sql, with the nominal optimum and the samples in "
+        "the same folder; default: continue the run in --out, if there is one",
     )  # fmt: skip
     add_executor_arguments(made)
     add_seal_arguments(made)

@@ -70,8 +70,9 @@ def report_comparison(designs: list[SampledDesign], subject: Subject) -> None:
         width = designs[-1].too_wide(limit)
         if width is not None:
             print(
-                f"WARNING: {limit.text}: {100.0 * limit.required:g} % of the samples scatter over "
-                f"{width:.3g}, and the limit leaves {limit.band:.3g}: widen it, or narrow the tolerances"
+                f"WARNING: {limit.text}: the range of {100.0 * limit.required:g} % of the samples "
+                f"is {width:.3g} wide, but the limit allows only {limit.band:.3g}; widen the limit "
+                "or narrow the tolerances"
             )
 
 

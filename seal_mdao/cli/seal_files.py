@@ -96,6 +96,7 @@ def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
     if penalties:
         listed = ", ".join(f"{name} = {value:g}" for name, value in penalties.items())
         lines.append(
-            f"penalties chosen, {file.penalty_tolerance:.2%} of error allowed: {listed} kPa/mm"
+            f"penalties chosen for an error of at most {file.penalty_tolerance:.2%}: {listed} "
+            "kPa/mm"
         )
     return lines

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from seal_mdao.cli.arguments import WrongArgumentError, parser
 
-MISSING = "not installed: tornado; pip install seal_mdao[studio] has what the live section needs"
+MISSING = "the live section needs tornado, which is not installed: pip install seal_mdao[studio]"
 
 
 def main(arguments) -> int:
@@ -35,7 +35,11 @@ async def serve(studio_class, project, arguments) -> None:
     """Run the server until it is interrupted."""
     studio = studio_class(project, arguments.port)
     try:
-        print(f"{studio.address}\nThe address is for you alone. Ctrl-C ends it.", flush=True)
+        print(
+            f"{studio.address}\nKeep this address secret: it gives access to your files. Ctrl-C "
+            "stops the server.",
+            flush=True,
+        )
         if arguments.file is not None:
             studio.session.open(arguments.file.name)
         if not arguments.no_browser:
@@ -50,7 +54,7 @@ def port(text: str) -> int:
     import argparse
 
     if not text.isdecimal() or not 0 <= int(text) < 65536:
-        raise argparse.ArgumentTypeError(f"{text!r} is no port, 0 to 65535")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port number (0 to 65535)")
     return int(text)
 
 
@@ -63,5 +67,7 @@ def arguments_parser():
     made.add_argument(
         "--port", type=port, default=0, metavar="N", help="port of the server; 0: any free"
     )
-    made.add_argument("--no-browser", action="store_true", help="print the address only")
+    made.add_argument(
+        "--no-browser", action="store_true", help="print the address without opening a browser"
+    )
     return made

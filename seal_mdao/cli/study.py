@@ -52,7 +52,7 @@ def main(arguments) -> int:
     # every sample is recorded at once: a second start continues with those that are left
     finished = count_finished(file)
     if finished:
-        print(f"{finished} of {arguments.samples} samples are in {file} already")
+        print(f"{finished} of {arguments.samples} samples are already in {file}")
     with (
         executor(arguments) as workers,
         checked_arguments(),
@@ -65,7 +65,9 @@ def main(arguments) -> int:
     wall = time.perf_counter() - begun
     # all failed: the first message says why
     if not sampled.completed.any():
-        raise sm.LoadPathError(f"no sample could be analysed; the first: {sampled.messages[0]}")
+        raise sm.LoadPathError(
+            f"none of the samples could be analysed; the first failed with: {sampled.messages[0]}"
+        )
     # statistics, then figures, then text
     summary = summarize(study, sampled, estimate)
     write_summary(arguments.out, summary | {"wall_s": wall})
@@ -90,7 +92,7 @@ def study_of(arguments) -> ToleranceStudy:
         study = ToleranceStudy(seal, tolerances, label=label)
     with checked_arguments():
         if not study.task.measures:
-            raise ValueError("the seal has no measures; its file needs a table [[measure]]")
+            raise ValueError("the seal has no measure to study; add a [[measure]] to its file")
     return study
 
 
@@ -199,16 +201,17 @@ def report_failures(summary: dict) -> None:
     """Report the effect of failed samples on the statistics, one line per measure."""
     first = summary["failures"][0]
     print(
-        f"WARNING: {summary['failed']} of {summary['samples']} samples ({summary['share_failed']:.2%}) "
-        f"failed and are in none of these numbers; the first is sample {first['sample']}: "
-        f"{first['message']}"
+        f"WARNING: {summary['failed']} of {summary['samples']} samples "
+        f"({summary['share_failed']:.2%}) failed and are excluded from these statistics; the first "
+        f"is sample {first['sample']}: {first['message']}"
     )
     for name, found in summary["measures"].items():
         change = found["effect_of_failures"]
         print(
-            f"WARNING: to first order, leaving them out changes of {name} the mean by "
-            f"{change['mean']:+.3g}, std by {change['std']:+.3g}, 5 % by {change['q05']:+.3g} and 95 % "
-            f"by {change['q95']:+.3g} {found['unit'] or ''}".rstrip()
+            f"WARNING: to first order, their exclusion changes the mean of {name} by "
+            f"{change['mean']:+.3g}, its std by {change['std']:+.3g}, its 5 % quantile by "
+            f"{change['q05']:+.3g} and its 95 % quantile by {change['q95']:+.3g} "
+            f"{found['unit'] or ''}".rstrip()
         )
 
 
@@ -225,7 +228,7 @@ def arguments_parser():
     )
     made.add_argument(
         "--design", type=existing_file, metavar="FILE",
-        help="summary.json of an optimisation whose design is studied",
+        help="summary.json of an optimisation; its optimum is studied instead of the nominal seal",
     )  # fmt: skip
     add_executor_arguments(made)
     add_seal_arguments(made)

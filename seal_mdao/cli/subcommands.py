@@ -11,8 +11,8 @@ from seal_mdao.cli.one_line_parser import OneLineParser
 
 COMMANDS = {
     "new": "write a seal file to start from, with comments, or from a drawing",
-    "keys": "list tables of seal files, laws and measures, and their keys with units",
-    "check": "read a seal file, fill its section, draw it, estimate the time of an analysis",
+    "keys": "list the tables of seal files, laws and measures, and their keys with units",
+    "check": "check a seal file, draw its particles, estimate the time of an analysis",
     "refine": "choose the spacing of the particles for a given accuracy",
     "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
     "studio": "change a seal by dragging on a local page, with an immediate preview of forces",
@@ -24,7 +24,7 @@ COMMANDS = {
     "animate": "make an animation of the closing of a seal",
     "materials": "list rubbers by hardness and sponges by grade",
     "fit": "fit the constants of a rubber to tests",
-    "calibrate": "find constants of a seal from its measured force",
+    "calibrate": "identify parameters of a seal from its measured force",
     "report": "write the HTML report of a recorder file",
     "history": "draw the figures of a recorder file",
     "examples": "list the examples, copy one",

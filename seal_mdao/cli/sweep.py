@@ -185,13 +185,13 @@ def vary(text: str) -> np.ndarray:
             f"{text!r} is neither FROM:TO:COUNT nor a list VALUE,VALUE,..."
         ) from None
     if not all(map(math.isfinite, ends)):
-        raise argparse.ArgumentTypeError(f"{text!r} has a number that is not finite")
+        raise argparse.ArgumentTypeError(f"{text!r} contains a number that is not finite")
     if not 1 <= count <= MOST_VALUES:
-        raise argparse.ArgumentTypeError(f"{text!r} has a count that is not in 1 to {MOST_VALUES}")
+        raise argparse.ArgumentTypeError(f"{text!r} has a COUNT outside of 1 to {MOST_VALUES}")
     if ":" in text:
         return np.linspace(*ends, count)
     if len(set(ends)) < count:
-        raise argparse.ArgumentTypeError(f"{text!r} has the same value twice")
+        raise argparse.ArgumentTypeError(f"{text!r} contains a value twice")
     return np.sort(ends)
 
 

@@ -48,8 +48,8 @@ class Varied:
     def notes(self) -> list[str]:
         """Say which measures are left out at which values, one line each; known once files are read."""
         return [
-            f"{measure} asks for the force at {farthest:g} mm of travel and is left empty where the "
-            f"path is shorter: {self.name} = {', '.join(f'{value:g}' for value in values)}"
+            f"{measure} needs the force at {farthest:g} mm of travel and is left empty where the "
+            f"travel is shorter: {self.name} = {', '.join(f'{value:g}' for value in values)}"
             for (measure, farthest), values in self.beyond.items()
         ]
 
@@ -118,7 +118,8 @@ def parameter_name(option: str, name: str, known: Iterable[str], further: str = 
     listed = ", ".join(known)
     if len(found) > 1:
         raise WrongArgumentError(
-            f"{option}: {name!r} may be {', '.join(found)}; the parameters are {listed}"
+            f"{option}: {name!r} is ambiguous, it matches {', '.join(found)}; give the full name "
+            f"(all parameters: {listed})"
         )
     if not found:
         close = suggestion(name, [*known, *(own.rpartition("_")[2] for own in known)])

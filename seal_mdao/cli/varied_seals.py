@@ -40,7 +40,10 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
     wrong = sorted(arguments.given.intersection((*SEAL_OPTIONS, "accuracy", *others)))
     if wrong:
         name = wrong[0].replace("_", "-")
-        raise WrongArgumentError(f"--{name} is for the door seal, and {arguments.file} is given")
+        raise WrongArgumentError(
+            f"--{name} is an option of the built-in door seal and cannot be combined with a seal "
+            f"file ({arguments.file}); leave it out"
+        )
     file, unchosen = file_of(arguments.file), None
     if arguments.tolerances is not None:
         # placements of the profiles are parameters, too
@@ -51,8 +54,8 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
         tolerances = tolerances_of(file.tolerance)
     else:
         raise sm.SealFileError(
-            f"{arguments.file}: [tolerance] is missing: say what varies, [tolerance.vary.NAME], or give "
-            "a file of tolerances, --tolerances FILE.toml"
+            f"{arguments.file}: [tolerance] is missing; add [tolerance.vary.NAME] for each "
+            "parameter that varies, or give a file of tolerances (--tolerances FILE.toml)"
         )
     return file, seal_of(file, unchosen=unchosen).with_placements(), tolerances
 
@@ -76,6 +79,7 @@ def add_tolerance_arguments(made) -> None:
     )
     add(
         "--tolerances", type=existing_file, metavar="FILE",
-        help="tolerances (TOML) in place of [tolerance] of the seal file, or those of the door seal",
+        help="file of tolerances (TOML) that replaces [tolerance] of the seal file or those of the "
+        "door seal",
     )  # fmt: skip
     add("--samples", type=positive_integer, default=1000, metavar="N", help="number of samples")

@@ -26,8 +26,8 @@ class AggregateComp(om.ExplicitComponent):
 
     def initialize(self):
         self.options.declare("shapes", types=dict, desc="(S, m) of every measure by name.")
-        self.options.declare("units", types=dict, desc="Of every measure by name.")
-        self.options.declare("quantiles", default=(), desc="Levels between 0 and 1.")
+        self.options.declare("units", types=dict, desc="Unit of every measure by name.")
+        self.options.declare("quantiles", default=(), desc="Levels of quantiles between 0 and 1.")
 
     def setup(self):
         # every function returns the aggregate (m,) and its derivatives (S, m)

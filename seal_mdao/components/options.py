@@ -35,23 +35,28 @@ def declare_seal_options(options) -> None:
         "factor_memory",
         default=FACTOR_MEMORY,
         check_valid=_check_memory,
-        desc="GiB for factors of converged tangents; those beyond are computed again for the partials.",
+        desc="Memory (GiB) for stored factorisations of converged tangents; others are recomputed "
+        "for the partials.",
     )
-    text = "Cache of analyses; by default the last one only."
+    text = "AnalysisCache of earlier analyses; by default only the last analysis is cached."
     options.declare("cache", types=AnalysisCache, desc=text, **OPTIONAL)
-    text = "Called with every converged load step."
+    text = "Function that is called after every converged load step."
     options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
 
 
 def declare_derivative_options(options) -> None:
     """Declare outputs, scalar inputs, and the method of the partials."""
-    text = "Outputs: measures, or names of measures of the seal; its standard ones for None."
+    text = (
+        "Outputs: measures, or names of measures of the seal; None: the standard measures of the "
+        "seal."
+    )
     options.declare("measures", check_valid=_check_measures, desc=text, **OPTIONAL)
     options.declare(
         "parameters",
         default=(),
         check_valid=_check_names,
-        desc="Scalar parameters that become inputs beside those that the seal always has.",
+        desc="Names of scalar parameters that become inputs, in addition to those that the seal "
+        "always has.",
     )
     options.declare(
         "sensitivity",
@@ -146,8 +151,8 @@ def check_parameters(seal: Seal, names) -> None:
     unknown = [name for name in names if name not in seal.scalars]
     if unknown:
         raise ValueError(
-            f"option 'parameters': unknown parameter {unknown[0]!r}; known are "
-            f"{', '.join(seal.scalars)}"
+            f"option 'parameters': unknown parameter {unknown[0]!r}; the parameters of the seal "
+            f"are {', '.join(seal.scalars)}"
         )
 
 
@@ -156,41 +161,51 @@ def check_outputs(seal: Seal, measures, taken=()) -> None:
     # measures may be empty, as gaps of a closed contact; OpenMDAO needs at least one output
     if not any(measure.size(seal) for measure in measures):
         raise ValueError(
-            "option 'measures': there is no measure with a value, so no output; name at least one (None "
-            "stands for the seal's standard ones, of which a seal file has those of its [[measure]])"
+            "option 'measures': no measure has a value, so the component would have no output; "
+            "name at least one measure here, or add a [[measure]] to the seal file"
         )
     # promoted outputs and inputs of one name would collide
     for measure in measures:
         if measure.name in taken:
             raise ValueError(
-                f"option 'measures': {measure.name!r} is the name of another variable; give the measure "
-                "a name of its own, dataclasses.replace(measure, name=...) or name in [[measure]]"
+                f"option 'measures': the measure {measure.name!r} has the name of another variable "
+                "of the component; rename it with dataclasses.replace(measure, name=...) or name "
+                "in [[measure]]"
             )
 
 
 def _check_names(name, value):
     # a string is a sequence of one-letter names: refuse it with a clear message
     if isinstance(value, str):
-        raise ValueError(f"option {name!r} must be a sequence of names, got the string {value!r}")
+        raise ValueError(
+            f"option {name!r} must be a sequence of names, got the string {value!r}; write "
+            f"({value!r},)"
+        )
     if len(set(value)) < len(value):
-        raise ValueError(f"option {name!r} names a parameter twice: {tuple(value)}")
+        raise ValueError(f"option {name!r} names a parameter twice: {tuple(value)}; remove one")
 
 
 def _check_measures(name, value):
     if value is None:
         return
     if isinstance(value, str | Measure):
-        raise ValueError(f"option {name!r} must be a sequence of measures, got {value!r}")
+        raise ValueError(
+            f"option {name!r} must be a sequence of measures, got a single one, {value!r}; write "
+            f"[{value!r}]"
+        )
     # names and measures may be mixed
     wrong = [item for item in value if not isinstance(item, str | Measure)]
     if wrong:
-        raise ValueError(f"option {name!r} holds {wrong[0]!r}, which is no measure")
+        raise ValueError(
+            f"option {name!r} contains {wrong[0]!r}, which is neither a measure nor the name of one"
+        )
     # names of measures become names of outputs, so they must differ
     names = [item if isinstance(item, str) else item.name for item in value]
     twice = {item for item in names if names.count(item) > 1}
     if twice:
         raise ValueError(
-            f"option {name!r} has two measures named {sorted(twice)[0]!r}; give one a name of its own"
+            f"option {name!r} has two measures named {sorted(twice)[0]!r}; rename one with "
+            "dataclasses.replace(measure, name=...)"
         )
 
 

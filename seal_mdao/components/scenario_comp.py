@@ -42,16 +42,17 @@ def declare_scenario_options(options) -> None:
         "failed",
         default="raise",
         values=POLICIES,
-        desc="A scenario that cannot be analysed: an AnalysisError, or left out and counted.",
+        desc="If a scenario cannot be analysed: raise an AnalysisError, or leave it out of the "
+        "statistics and count it.",
     )
     options.declare(
         "workers",
         types=(int, Processes, Executor),
-        desc="0: in line; a number of processes, one a core for None; or any executor of "
+        desc="0: serial; N: number of processes; None: one process per core; or any executor of "
         "concurrent.futures.",
         **OPTIONAL,
     )
-    text = "Called with the number of every scenario that has finished, and its outcome."
+    text = "Function that is called with the index and the outcome of every finished scenario."
     options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
 
 
@@ -187,8 +188,12 @@ class ScenarioComp(RandomDirectionsComp):
         first = f"{described} failed: {failures[failed[0]]}"
         if self.options["failed"] == "raise":
             return first
-        enough = len(failures) - len(failed) >= LEAST_LEFT
-        return "" if enough else f"{len(failed)} scenarios failed, too many; {first}"
+        if len(failures) - len(failed) >= LEAST_LEFT:
+            return ""
+        return (
+            f"{len(failed)} of {len(failures)} scenarios failed, but at least {LEAST_LEFT} must "
+            f"succeed; {first}"
+        )
 
 
 def _check_effect(scenarios: Scenarios, parameters) -> None:

@@ -77,4 +77,4 @@ class ScenarioGroup(DesignGroup):
 
 def _check_levels(name, value):
     for level in value:
-        real(f"a level in {name!r}", level, above=0.0, below=1.0)
+        real(f"every level in option {name!r}", level, above=0.0, below=1.0)

@@ -136,8 +136,8 @@ class ContactLaw(NamedTuple):
         """Raise ValueError for a penalty that is None; ``label`` is the contact's."""
         if self.open_penalties:
             raise ValueError(
-                f"{self.open_penalties[0]} of {label!r} is open: give it, or make the contact a term of "
-                "a seal, which chooses it"
+                f"{self.open_penalties[0]} of {label!r} is not set; give a value (kPa/mm), or make "
+                "the contact a term of a seal, which chooses one"
             )
 
     def potential(self, gap: np.ndarray, length: np.ndarray) -> float:

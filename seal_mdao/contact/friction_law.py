@@ -114,13 +114,14 @@ class FrictionLaw:
             # numba's first sentence
             reason = re.split(r" There are | During: ", " ".join(str(error).split()))[0]
             raise ValueError(
-                f"friction law {self.name!r} cannot be compiled for complex numbers: {reason}"
+                f"friction law {self.name!r} cannot be compiled by Numba for complex numbers: "
+                f"{reason}"
             ) from None
         if not np.isfinite(found).all():
             raise ValueError(
-                f"friction law {self.name!r} must give limits of at least 0 kPa, got "
-                f"{self._evaluated(SAMPLES, np.zeros(found.shape[2] - 1)).real.tolist()} at the "
-                f"pressures {SAMPLES.tolist()}"
+                f"friction law {self.name!r} must return finite friction limits of at least 0 kPa, "
+                f"got {self._evaluated(SAMPLES, np.zeros(found.shape[2] - 1)).real.tolist()} at "
+                f"the pressures {SAMPLES.tolist()}"
             )
         names = ("pressure", *self.by_name)
         for column, name in enumerate(names):
@@ -129,8 +130,9 @@ class FrictionLaw:
             off = np.abs(found[:, :, 1 + column] - quotient)
             if (off > AGREEMENT * (np.abs(quotient) + np.abs(found[:, :, 0]).max())).any():
                 raise ValueError(
-                    f"the complex step of friction law {self.name!r} is not its derivative by {name}: "
-                    "replace abs, min, max and the like by comparisons of real parts"
+                    f"the complex-step derivative of friction law {self.name!r} with respect to "
+                    f"{name} is wrong; replace abs, min, max and similar functions by comparisons "
+                    "of real parts"
                 )
 
     def _quotient(self, column: int) -> np.ndarray:
@@ -172,7 +174,7 @@ def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
             )
     for wanted in names:
         if wanted not in constants | defaults:
-            raise ValueError(f"the constant {wanted!r} of friction law {name!r} is missing")
+            raise ValueError(f"friction law {name!r} needs a value of the constant {wanted!r}")
     return FrictionLaw(limits, tuple((defaults | constants)[n] for n in names))
 
 
@@ -194,7 +196,10 @@ def constant_names(limits: Callable) -> tuple:
         )
     names = tuple(p.name for p in parameters[1:])
     for taken in set(names) & set(RESERVED):
-        raise ValueError(f"friction law {name!r}: no constant can be called {taken!r}")
+        raise ValueError(
+            f"friction law {name!r}: the name {taken!r} of a constant is reserved; choose another "
+            "name"
+        )
     return names
 
 

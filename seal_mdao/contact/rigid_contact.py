@@ -76,8 +76,8 @@ class RigidContact(TermDefinition):
         self.law.check(self.label)
         for name in set(self.law.scalars) & set(self.shape.names):
             raise ValueError(
-                f"{name!r} of {self.label!r} is a constant of its friction law and a shape parameter; "
-                "give one of them another name"
+                f"the name {name!r} is used for a constant of the friction law and for a shape "
+                f"parameter of {self.label!r}; rename one of them"
             )
 
     @property
@@ -323,8 +323,8 @@ class ContactTerm(PointTerm):
         if np.any(gap < -slack):
             raise GeometryError(
                 f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
-                f"profile {self.label!r}; let it start as much farther away (start of the profile or of "
-                f"the door seal, or the placement {self.label}_x or {self.label}_y)"
+                f"profile {self.label!r}; move the profile away by at least this distance (its "
+                f"start, or the parameters {self.label}_x and {self.label}_y)"
             )
 
     def changes(self, step, response, target):

@@ -88,7 +88,10 @@ class SelfContact(TermDefinition):
         if min(map(len, self.loops), default=0) < NODES:
             raise ValueError(f"every loop of {self.label!r} needs at least {NODES} particles")
         if len(self.touching) != sum(map(len, self.loops)):
-            raise ValueError(f"touching of {self.label!r} must have an entry for every particle")
+            raise ValueError(
+                f"touching of {self.label!r} must have one entry for each of the "
+                f"{sum(map(len, self.loops))} particles of its loops, got {len(self.touching)}"
+            )
 
     @property
     def where(self) -> MaterialPoints:
@@ -424,7 +427,8 @@ class SelfContactTerm(CoupledTerm):
             x, y = response.x[int(np.flatnonzero(response.branch)[0])]
             raise GeometryError(
                 f"the undeformed section already overlaps itself near x = {x:.4g}, y = {y:.4g} "
-                f"({self.label!r}); draw its walls apart, or let fewer edges touch"
+                f"({self.label!r}); draw its walls with a gap between them, or name fewer edges in "
+                "[self_contact]"
             )
 
 

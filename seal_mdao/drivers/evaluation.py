@@ -192,7 +192,7 @@ class ModelEvaluator:
         objective = flat(driver.get_objective_values())[0]
         constraints = flat(driver.get_constraint_values())
         if not (np.isfinite(objective) and np.isfinite(constraints).all()):
-            raise AnalysisError("the model gave a value that is not finite (nan or inf)")
+            raise AnalysisError("the objective or a constraint is not finite (NaN or infinity)")
         return Evaluation(x, float(objective), constraints, self.layout.violation(constraints))
 
     def _note_failure(self, x, error: AnalysisError) -> None:
@@ -241,7 +241,7 @@ class ModelEvaluator:
                 )
             jacobian[layout.rows(layout.linear)] = self._linear_jacobian
         if not np.isfinite(rows).all():
-            raise AnalysisError("the total derivatives are not finite (nan or inf)")
+            raise AnalysisError("the total derivatives are not finite (NaN or infinity)")
         return rows[0].copy(), jacobian
 
 

@@ -145,5 +145,5 @@ def import_ipyopt():
 def _message(code: int) -> str:
     """Return the message of Ipopt's return code, with the number if it is not a success."""
     # the code helps to find a failure in Ipopt's documentation
-    words = MESSAGES.get(code, "Ipopt ended with an error of its own")
+    words = MESSAGES.get(code, "Ipopt ended with an unknown error")
     return words if code in (0, 1) else f"{words} (Ipopt code {code})"

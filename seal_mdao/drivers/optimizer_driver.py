@@ -113,7 +113,8 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "max_failures", default=15, check_valid=positive_count,
-            desc="Failed analyses after which the run is stopped; a success cancels one failure.",
+            desc="Number of failed analyses after which the run stops; every success cancels one "
+            "failure.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],
@@ -125,9 +126,10 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "hotstart_file", default=None, allow_none=True, types=(str, Path),
-            desc="Recorder file of an earlier run: at its designs the recorded values and derivatives "
-            "replace runs of the model. Continues a run that was cut off. A bare "
-            "name is in the problem's output folder, as it is for recorders.",
+            desc="Recorder file of an earlier run: at its designs the recorded values and "
+            "derivatives replace runs of the model, so an interrupted run is continued. A "
+            "name without folder is relative to the output folder of the problem, as for "
+            "recorders.",
         )  # fmt: skip
 
     def run(self) -> bool:
@@ -239,8 +241,9 @@ class OptimizerDriver(access.DriverHooks):
         # failures are named even if the optimiser reports another reason
         if callbacks.stalled:
             return (
-                "Stopped: failed analyses leave no way forward from the best point found. "
-                f"Last failure: {callbacks.evaluator.last_failure}"
+                "Stopped: every step from the best point found leads to a failed analysis; tighten "
+                "the bounds or start from another design. Last failure: "
+                f"{callbacks.evaluator.last_failure}"
             )
         if end.limited:
             return f"{end.message}; {BEST_KEPT if callbacks.feasible else LEAST_KEPT}"

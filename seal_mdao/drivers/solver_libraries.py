@@ -61,4 +61,6 @@ def set_option(set_one, name: str, value) -> None:
             reason = error
         else:
             return
-    raise ValueError(f"opt_settings['{name}']: {value!r} is refused ({reason}).") from reason
+    raise ValueError(
+        f"opt_settings['{name}'] = {value!r} is not accepted by the optimiser: {reason}"
+    ) from reason

@@ -36,11 +36,11 @@ MESSAGES = {
     "infeasible",
     "FEASIBLE_SMALL_STEP": "The steps became too small, at a feasible point",
     "INFEASIBLE_SMALL_STEP": "The steps became too small, at an infeasible point",
-    "UNBOUNDED": "The objective falls without a bound",
+    "UNBOUNDED": "The objective is unbounded below",
     "ITERATION_LIMIT": "Maximum number of iterations exceeded",
     "TIME_LIMIT": "Maximum time exceeded",
-    "EVALUATION_ERROR": "Uno could not begin (check opt_settings)",
-    "ALGORITHMIC_ERROR": "No step is accepted any more",
+    "EVALUATION_ERROR": "Uno could not start (check opt_settings)",
+    "ALGORITHMIC_ERROR": "The optimiser found no acceptable step",
 }
 """Messages of Uno's statuses."""
 
@@ -132,7 +132,10 @@ def _solver(settings: dict):
     # checked here, because Uno does not
     for name, choice in CHOICES.items():
         if settings.get(name, choice[0]) not in choice:
-            raise ValueError(f"opt_settings['{name}']: {settings[name]!r} is not one of {choice}.")
+            raise ValueError(
+                f"opt_settings['{name}'] = {settings[name]!r} is not supported; it must be one of "
+                f"{choice}"
+            )
     solver = import_unopy().UnoSolver()
     solver.set_preset(settings.pop("preset", "filtersqp"))
     for name, value in settings.items():

@@ -37,7 +37,10 @@ class Sensitivities:
         try:
             return self.__dict__["rows"][name]
         except KeyError:
-            raise AttributeError(f"no derivatives of {name!r} were asked for") from None
+            raise AttributeError(
+                f"derivatives of {name!r} were not requested; add it to the arguments of "
+                "sensitivities"
+            ) from None
 
 
 @one_blas_thread
@@ -76,10 +79,13 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
     """
     _check_method(method)
     if not hasattr(result, "require_converged"):
-        raise TypeError(f"result must be what analyze returns, got a {type(result).__name__}")
+        raise TypeError(f"result must be a result of analyze, got a {type(result).__name__}")
     seal = result.seal
     if isinstance(parameters, str):
-        raise ValueError(f"parameters must be a sequence of names, got the string {parameters!r}")
+        raise ValueError(
+            f"parameters must be a sequence of names, got the string {parameters!r}; write "
+            f"({parameters!r},)"
+        )
     names = seal.inputs if parameters is None else tuple(parameters)
     _check_names(result, names)
     measures = result.measures(measures)
@@ -163,7 +169,7 @@ def _check_names(result, names):
     known = result.seal.scalars
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"unknown parameter {unknown[0]!r}; known are {', '.join(known)}")
+        raise ValueError(f"unknown parameter {unknown[0]!r}; the parameters are {', '.join(known)}")
 
 
 class Wanted:

@@ -85,7 +85,8 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
     found += [f"[[term]] {own.name!r}" for own in file.terms]
     if file.environment is not None:
         found.append(
-            "[model]: temperature, swelling and axial_stretch: materials as at the reference"
+            "[model]: temperature, swelling and axial_stretch; the materials have their constants "
+            "of the reference state"
         )
     for name, own in file.material_tables.items():
         if own.viscoelastic is not None:
@@ -94,21 +95,21 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
             found.append(f"[material.{name}.softening]: softening")
     for label, (_, _, motion) in _moved(file, seal).items():
         if np.ptp(motion.angles) > 0.0:
-            found.append(f"rotation of the moved edges {label!r}: their nodes are translated alone")
+            found.append(f"rotation of the moved edges {label!r}; their nodes are only translated")
     for contact in (*contacts(seal), *self_contacts(seal)):
         if any(isinstance(own, FrictionLaw) for own in _frictions(contact.law)):
             found.append(
-                f"friction law of {contact.label!r}: its contact has no friction in the file"
+                f"friction law of {contact.label!r}; its contact is frictionless in this file"
             )
     for contact in contacts(seal):
         if seal.body.axisymmetric and np.ptp(contact.motion.positions[:, 0]) > 0.0:
             found.append(
-                f"motion of the profile {contact.label!r} along the radius: Abaqus has no rigid ring "
-                "that grows"
+                f"radial motion of the profile {contact.label!r}; a rigid body of Abaqus cannot "
+                "change its radius"
             )
         if has_cubic(contact.shape.profile()):
             found.append(
-                f"splines of the profile {contact.label!r}: straight segments in their place"
+                f"splines of the profile {contact.label!r}; they are replaced by straight segments"
             )
     return found
 

@@ -61,6 +61,6 @@ def _keyword(law) -> tuple[str, list[float]]:
         none = [0.0] * (len(law.mu) - 1)
         return f"*HYPERELASTIC, OGDEN, N={len(law.mu)}", [*terms, first, *none]
     raise ValueError(
-        f"the law {kind.__name__} has no counterpart in Abaqus; exported are neo_hookean, "
-        "mooney_rivlin, yeoh, ogden, hyperfoam, shore_a and sponge (seal-mdao fit fits laws to tests)"
+        f"the law {kind.__name__} has no counterpart in Abaqus; use neo_hookean, mooney_rivlin, "
+        "yeoh, ogden, hyperfoam, shore_a or sponge (seal-mdao fit fits them to tests)"
     )

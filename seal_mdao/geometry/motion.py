@@ -68,7 +68,7 @@ class Motion:
             and count > 0
             and np.issubdtype(steps.dtype, np.integer)
             and steps.min() > 0,
-            f"steps of a motion must be positive whole numbers, one a stage; got {self.steps!r}",
+            f"steps of a motion must be positive integers, one per stage, got {self.steps!r}",
         )
         rates = np.zeros((0, count + 1, 3)) if self.rates is None else self.rates
         shapes = {
@@ -83,9 +83,12 @@ class Motion:
             object.__setattr__(self, name, array(f"{name} {of}", given, shape))
         require(
             self.clearance @ (self.positions[1] - self.positions[0]) <= 0.0,
-            f"clearance of a motion must lie behind its first waypoint, got {self.clearance}",
+            f"clearance of a motion must point against its first displacement, got {self.clearance}",
         )
-        require(len(set(names)) == len(names), f"names of a motion's parameters repeat: {names}")
+        require(
+            len(set(names)) == len(names),
+            f"every parameter of a motion needs a different name, got {names}",
+        )
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
         if self.fractions is not None:
@@ -94,7 +97,7 @@ class Motion:
         object.__setattr__(self, "durations", np.array(durations, float))
         require(
             self.durations.shape == (count,) and not np.any(self.durations <= 0.0),
-            f"durations of a motion must be positive, one a stage; got {self.durations!r}",
+            f"durations of a motion must be positive, one per stage, got {self.durations!r}",
         )
 
     def _checked_fractions(self) -> np.ndarray:
@@ -116,7 +119,10 @@ class Motion:
             For an unknown parameter.
         """
         unknown = [name for name in values if name not in self.names]
-        require(not unknown, f"a motion with parameters {self.names} has no {unknown[:1]}")
+        require(
+            not unknown,
+            f"unknown parameter {unknown[:1]} of a motion; its parameters are {self.names}",
+        )
         # waypoints are linear in the parameters: w + sum_p dw/dp (change of p)
         change = sum(
             (float(value) * self.rates[self.names.index(name)] for name, value in values.items()),
@@ -183,7 +189,7 @@ class Motion:
             and bool(np.all(np.diff(ends) > 0.0))
             and bool(np.isin(stage_ends, ends).all())
             and ends[-1] == self.n_steps,
-            f"ends of load steps must increase and hold the ends of all stages "
+            "ends of load steps must increase and contain the ends of all stages "
             f"{stage_ends.tolist()}, got {ends.tolist()}",
         )
         # the stage of a step is the first whose end is not before the end of the step
@@ -329,7 +335,8 @@ class Motion:
         lengths, ends = self._lengths, np.cumsum(self._lengths)
         require(
             0.0 <= travel <= ends[-1] * (1.0 + ROUNDING),
-            f"a motion of {ends[-1]:.6g} along its path has no position after {travel:.6g}",
+            f"a travel of {travel:.6g} is outside of the motion, whose path has the length "
+            f"{ends[-1]:.6g}",
         )
         stage = min(int(np.searchsorted(ends, travel)), len(ends) - 1)
         before, length = ends[stage] - lengths[stage], lengths[stage]
@@ -378,7 +385,7 @@ class Motion:
         """Return the index of the current nominal step; the last one at the end."""
         require(
             0.0 <= fraction <= self.n_steps,
-            f"a motion of {self.n_steps} steps has no position after {fraction} of them",
+            f"step {fraction} is outside of the motion, which has {self.n_steps} steps",
         )
         return min(int(fraction), self.n_steps - 1)
 

@@ -125,8 +125,11 @@ def _checked_points(points, closed) -> np.ndarray:
         points.ndim == 2 and points.shape[1] == 2 and len(points) >= least,
         f"a profile needs points of shape (n, 2), n at least {least}; got shape {points.shape}",
     )
-    require(np.isfinite(points).all(), "the points of a profile must be finite numbers")
+    require(np.isfinite(points).all(), "the points of a profile must be finite")
     step = np.diff(np.concatenate([points, points[:1]]) if closed else points, axis=0)
     same = np.flatnonzero(~step.any(axis=1))
-    require(same.size == 0, f"point {same[:1].sum()} of the profile and the next one coincide")
+    require(
+        same.size == 0,
+        f"point {same[:1].sum()} of the profile coincides with the next one; remove one of them",
+    )
     return points

@@ -77,7 +77,10 @@ class FluidPressure(TermDefinition):
         values.one_of(f"end of {self.label!r}", self.end, ENDS)
         ramp = values.numbers(f"ramp of {self.label!r}", self.ramp)
         if ramp.ndim != 1 or not (np.isfinite(ramp) & (ramp >= 0.0)).all():
-            raise ValueError(f"ramp of {self.label!r} must be numbers of at least 0, one per step")
+            raise ValueError(
+                f"ramp of {self.label!r} must be a list of finite numbers of at least 0, one per "
+                "load step"
+            )
         if len(self.edge) < 2:
             raise ValueError(f"the edge of {self.label!r} needs at least two particles")
         for contact in self.contacts:

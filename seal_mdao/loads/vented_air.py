@@ -122,8 +122,8 @@ class VentedAir(TrappedAir):
             self._check_times()
         elif any(own is not None for own in (self.closing_speed, self.travel, self.time)):
             raise ValueError(
-                f"the time of {self.label!r} is that of the environment; leave out travel, time and "
-                "closing_speed"
+                f"the time of {self.label!r} is already given by the environment; leave out "
+                "travel, time and closing_speed"
             )
 
     @property
@@ -138,11 +138,15 @@ class VentedAir(TrappedAir):
         for name, what in (("travel", "lengths"), ("time", "times")):
             own = values.numbers(f"{name} of {self.label!r}", getattr(self, name))
             if own.ndim != 1 or not (np.isfinite(own).all() and (np.diff(own) >= 0.0).all()):
-                raise ValueError(f"{name} of {self.label!r} must be {what} that do not decrease")
+                raise ValueError(
+                    f"{name} of {self.label!r} must be finite {what} that do not decrease"
+                )
         if np.shape(self.time) != np.shape(self.travel):
             raise ValueError(f"travel and time of {self.label!r} must have one value for each step")
         if self.closing_speed is None and self.travel[-1] > 0.0:
-            raise ValueError(f"the travel of {self.label!r} needs a closing_speed")
+            raise ValueError(
+                f"{self.label!r} has a travel but no closing_speed; give the speed (mm/s)"
+            )
 
     @property
     def scalars(self) -> dict:

@@ -115,8 +115,8 @@ class Isotropic(ABC):
         unknown = [name for name in constants if name not in self.names]
         if unknown:
             raise ValueError(
-                f"{type(self).__name__} has no constant {', '.join(unknown)}; "
-                f"its constants are {', '.join(self.names)}"
+                f"{type(self).__name__} has no constant {', '.join(unknown)}; the constants are "
+                f"{', '.join(self.names)}"
             )
 
     # ---- stress across the plane ----
@@ -368,8 +368,9 @@ def check_bulk(material) -> None:
         ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear)
         raise ValueError(
             f"bulk_modulus = {bulk:g} of {type(material).__name__} gives a Poisson's ratio of "
-            f"{ratio:.3g} with the shear modulus {shear:g}; it must be at least 2/3 of that, "
-            f"{2.0 * shear / 3.0:.6g} (rubber has some hundred times the shear modulus)"
+            f"{ratio:.3g} with the shear modulus {shear:g}; it must be at least 2/3 of the shear "
+            f"modulus, {2.0 * shear / 3.0:.6g} (the bulk modulus of rubber is several hundred "
+            "times its shear modulus)"
         )
     if not bulk <= MOST_BULK * shear:
         raise ValueError(

@@ -88,7 +88,10 @@ class MooneyRivlin(Isotropic):
     def __post_init__(self):
         checked(self, positive=("bulk_modulus",), nonnegative=("c10", "c01"))
         if self.c10 + self.c01 <= 0.0:
-            raise ValueError("c10 and c01 of MooneyRivlin must not both be zero")
+            raise ValueError(
+                "c10 and c01 of MooneyRivlin are both zero; the shear modulus 2 (c10 + c01) must "
+                "be positive"
+            )
         check_bulk(self)
 
     @property

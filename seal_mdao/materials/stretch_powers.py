@@ -192,9 +192,12 @@ def checked_terms(material, names: tuple[str, ...]) -> None:
             values.real(f"{name}_{i} of {kind}", value, -MOST_CONSTANT, MOST_CONSTANT)
             if name == "alpha" and not LEAST_POWER <= abs(value) <= MOST_POWER:
                 raise ValueError(
-                    f"alpha_{i} of {kind} must be between {LEAST_POWER:g} and {MOST_POWER:g} in size, "
-                    f"got {value:g}"
+                    f"alpha_{i} of {kind} must have a magnitude between {LEAST_POWER:g} and "
+                    f"{MOST_POWER:g}, got {value:g}"
                 )
     counts = {name: len(getattr(material, name)) for name in names}
     if len(set(counts.values())) > 1 or 0 in counts.values():
-        raise ValueError(f"{kind} needs as many {' as '.join(names)}, at least one; got {counts}")
+        raise ValueError(
+            f"{kind} needs equally many values of {' and '.join(names)}, at least one of each, got "
+            f"{counts}"
+        )

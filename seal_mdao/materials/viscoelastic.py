@@ -73,8 +73,9 @@ class WilliamsLandelFerry(_Shift):
         below = self.wlf_c2 + beyond
         if np.any(below <= 0.0):
             raise ValueError(
-                f"the law of Williams, Landel and Ferry ends at {self.reference - self.wlf_c2:g} degC "
-                f"(reference minus c2), but the temperature is {np.min(temperature):g}"
+                f"the WLF law is valid only above {self.reference - self.wlf_c2:g} degC (reference "
+                f"- c2), but the temperature is {np.min(temperature):g} degC; raise the "
+                "temperature or use arrhenius"
             )
         # ln a = -ln 10 c1 x / (c2 + x)
         log = -math.log(10.0) * self.wlf_c1 * beyond / below
@@ -163,17 +164,18 @@ class PronySeries:
             object.__setattr__(self, name, tuple(float(value) for value in np.ravel(own)))
         if len(self.g) != len(self.tau) or not self.g:
             raise ValueError(
-                f"a Prony series needs one tau for every g, and at least one; got {len(self.g)} g and "
-                f"{len(self.tau)} tau"
+                "a Prony series needs one tau for every g, and at least one term, got "
+                f"{len(self.g)} g and {len(self.tau)} tau"
             )
         if min(self.g) < 0.0 or not sum(self.g) < 1.0:
             raise ValueError(
-                "parts g of a Prony series must not be negative, and their sum must be below 1: what "
-                f"is left carries the load for ever; got g = {list(self.g)} with the sum {sum(self.g):g}"
+                "the relative moduli g of a Prony series must not be negative and their sum must "
+                f"be below 1 (1 - sum(g) is the long-term modulus), got g = {list(self.g)} with "
+                f"the sum {sum(self.g):g}"
             )
         if not min(self.tau) > 0.0 or not math.isfinite(max(self.tau)):
             raise ValueError(
-                f"relaxation times tau must be above 0 s, and finite; got {list(self.tau)}"
+                f"relaxation times tau must be finite and above 0 s, got {list(self.tau)}"
             )
 
     @property

@@ -107,7 +107,9 @@ class PressureCentre(Measure):
     def missing(self, result):
         if (result.response(self.profile).gap < 0.0).any():
             return ""
-        return f"{self.name}: {self.profile!r} does not touch at the end of the path"
+        return (
+            f"{self.name}: {self.profile!r} is not in contact with the seal at the end of the path"
+        )
 
     def evaluate(self, result, partials):
         points = PointPressures(result, self.profile, nominal=False)

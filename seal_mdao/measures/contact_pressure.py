@@ -228,7 +228,8 @@ def unresolved_peaks(result) -> tuple[str, ...]:
         count = points_around_peak(result.response(profile).gap)
         if 0 < count < ENOUGH:
             lines.append(
-                f"the peak pressure of {profile!r} lies among only {count} points in contact and may be "
-                "wrong by 5 % (with four) to 15 % (with two); give the edge there a smaller edge_spacing"
+                f"the peak pressure on {profile!r} is resolved by only {count} points in contact "
+                "and may be in error by 5 % (four points) to 15 % (two points); use a smaller "
+                "edge_spacing for the edge there"
             )
     return tuple(lines)

@@ -230,6 +230,6 @@ def _incompressible(name: str, material) -> None:
     """Raise ValueError for a material whose modulus in a plane strain contact is not 4 G."""
     if material.bulk_modulus == 0.0:
         raise ValueError(
-            f"{name!r}: the rubber in contact is compressible ({type(material).__name__}); give its "
-            "modulus E / (1 - nu^2) (kPa)"
+            f"{name!r}: the material in contact is compressible ({type(material).__name__}), so "
+            "its effective modulus is not known; give modulus = E / (1 - nu^2) (kPa)"
         )

@@ -40,17 +40,24 @@ class LoadDeflectionError(Derived):
     def __post_init__(self):
         count = self.base.count
         if self.base.direction is None and len(self.base.components) > 1:
-            raise ValueError(f"{self.name!r} needs a force along one axis or direction")
+            raise ValueError(
+                f"{self.name!r} compares a single component of the force; give one component "
+                "(axis) or a direction"
+            )
         given = np.ones(count) if self.weights is None else self.weights
         for what, own in (("targets", self.targets), ("weights", given)):
             own = numbers(f"{what} of {self.name!r}", own)
             if own.shape != (count,) or not np.isfinite(own).all():
                 raise ValueError(
-                    f"{what} of {self.name!r} must be one number for each of {count} travels"
+                    f"{what} of {self.name!r} must be {count} finite numbers, one per travel, got "
+                    f"{own.tolist()}"
                 )
             object.__setattr__(self, what, tuple(own.tolist()))
         if not all(self.targets):
-            raise ValueError(f"a target of {self.name!r} is zero, and differences are relative")
+            raise ValueError(
+                f"a target of {self.name!r} is zero, but differences are relative to the targets; "
+                "leave this travel out"
+            )
         if min(self.weights) < 0.0 or not any(self.weights):
             raise ValueError(f"weights of {self.name!r} must not be negative, nor all zero")
 

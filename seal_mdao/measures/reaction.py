@@ -73,7 +73,7 @@ class Reaction(Measure):
             object.__setattr__(self, "travels", tuple(travels.tolist()))
         if not all(0.0 <= travel < np.inf for travel in travels):
             raise ValueError(
-                f"travels of {self.name!r} must be numbers from 0 mm on, got {travels}"
+                f"travels of {self.name!r} must be finite and at least 0 mm, got {travels}"
             )
         if not self.components or not {*self.components} <= {0, 1}:
             raise ValueError(
@@ -137,7 +137,10 @@ class Reaction(Measure):
         if self.times is not None:
             total = stage_times(seal.terms()[0], self.name).total
             if max(self.times) > total * (1.0 + ROUNDING):
-                raise ValueError(f"time = {max(self.times):g} s, but the path takes {total:.6g} s")
+                raise ValueError(
+                    f"time = {max(self.times):g} s is beyond the end of the path at {total:.6g} s; "
+                    "give an earlier time or a longer duration"
+                )
 
     def evaluate(self, result, partials):
         motion = self.motion(result)
@@ -235,9 +238,9 @@ class Reaction(Measure):
         farthest = max(self.travels, default=0.0)
         if farthest > end + ROUNDING * motion.travel:
             raise LoadPathError(
-                f"measure {self.name!r} is requested at {farthest:.6g} mm of travel, and the motion of "
-                f"{self.profile or 'the first profile'!r} ends at {end:.6g} mm; choose other travels, "
-                "or a longer motion",
+                f"the measure {self.name!r} needs the force at {farthest:.6g} mm of travel, but "
+                f"the motion of {self.profile or 'the first profile'!r} ends at {end:.6g} mm; "
+                "choose smaller travels or a longer motion",
                 result,
             )
 
@@ -328,8 +331,8 @@ def stage_times(body, name: str):
     environment = body.environment
     if environment is None or environment.time is None:
         raise ValueError(
-            f"{name!r} is wanted at a time, but no material relaxes, so that stages take no time; use "
-            "travel or stage"
+            f"{name!r} is requested at a time, but stages take no time because no material "
+            "relaxes; use travel or stage instead"
         )
     return environment.time
 

@@ -34,7 +34,10 @@ class RetainedForce(Derived):
         # m = F_2 / F_1
         first, last = values
         if first == 0.0:
-            raise ValueError(f"{self.name!r}: the force is 0 where it is to be compared with")
+            raise ValueError(
+                f"{self.name!r}: the earlier force is 0, so the ratio is not defined; choose a "
+                "stage or time at which the seal is in contact"
+            )
         return last / first, np.array([-last / first**2, 1.0 / first])
 
 
@@ -66,7 +69,8 @@ class TimeToForceFraction(Measure):
         first = stage_times(seal.terms()[0], self.name).first
         if self.stage >= len(first) or not np.isfinite(first[self.stage]):
             raise ValueError(
-                f"{self.name!r}: stage = {self.stage}, but no dwell follows this stage of the path"
+                f"{self.name!r}: stage = {self.stage} is not followed by a dwell; give the number "
+                "of the stage before a dwell"
             )
 
     def least_scale(self, result):
@@ -92,15 +96,18 @@ class TimeToForceFraction(Measure):
     def missing(self, result):
         _, fractions, forces = self._dwell(result)
         if forces[0] == 0.0:
-            return f"{self.name}: the force is 0 at the end of stage {self.stage}"
+            return (
+                f"{self.name}: the force at the end of stage {self.stage} is 0, so there is no "
+                "relaxation to measure"
+            )
         least = (forces / forces[0]).min()
         if least <= self.fraction:
             return ""
         begin, end = self._times(result).at(fractions[[0, -1]])
         return (
-            f"{self.name}: the force falls to {least:.4g} of that at the end of stage {self.stage} in "
-            f"{duration(end - begin)} of the dwell, and to the fraction {self.fraction:g} later; make "
-            "the dwell longer, or the fraction larger"
+            f"{self.name}: within the dwell of {duration(end - begin)} the force decreases only to "
+            f"{least:.4g} of that at the end of stage {self.stage}, not to the fraction "
+            f"{self.fraction:g}; use a longer dwell or a larger fraction"
         )
 
     def evaluate(self, result, partials):
@@ -172,7 +179,9 @@ class CompressionSet(Measure):
         )
         if closed == 0.0:
             raise ValueError(
-                f"{self.name!r}: its particle has not moved at the end of stage {self.stage}"
+                f"{self.name!r}: the particle of the measure has no displacement at the end of "
+                f"stage {self.stage}, so there is no compression to recover; choose another point "
+                "or stage"
             )
         # m = u_e / u_c
         at = 0, self.point, self.component

@@ -88,8 +88,8 @@ class Roughness:
         shortest, roll_off, longest = ends = self.wavelengths[::-1]
         if not shortest < roll_off <= longest <= WIDEST * shortest:
             raise ValueError(
-                "it must be shortest_wavelength < roll_off_wavelength <= longest_wavelength <= "
-                f"{WIDEST:g} shortest_wavelength, but they are "
+                "the wavelengths must satisfy shortest_wavelength < roll_off_wavelength <= "
+                f"longest_wavelength <= {WIDEST:g} shortest_wavelength, got "
                 + ", ".join(f"{own:g}" for own in ends)
                 + " um"
             )

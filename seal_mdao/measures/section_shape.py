@@ -87,8 +87,8 @@ class Volume(Measure):
     def check(self, seal):
         if not seal.body.axisymmetric:
             raise ValueError(
-                'the volume is that of a ring, kinematics = "axisymmetric" of [model]; of a long seal '
-                "take section_area"
+                'the measure volume needs a body of revolution (kinematics = "axisymmetric" in '
+                "[model]); for a long seal use section_area"
             )
 
     def evaluate(self, result, partials):
@@ -113,8 +113,8 @@ class Mass(Measure):
             if region.density is None:
                 where = f"[material.{region.name}]" if region.name else "its table [material.NAME]"
                 raise ValueError(
-                    f"the material {name!r} has no density: write density = 1200 (kg/m3), or its own, "
-                    f"into {where}"
+                    f"the material {name!r} has no density; add density = 1200 (kg/m3), or its own "
+                    f"value, to {where}"
                 )
 
     def evaluate(self, result, partials):

@@ -63,7 +63,8 @@ def away_from_singular(seal, distance: float) -> np.ndarray:
     left = np.flatnonzero(nearest > distance)
     if not left.size:
         raise ValueError(
-            f"no point of the section is farther than {distance:g} mm from its singular points (ends of "
-            f"fixed edges, re-entrant corners); the farthest one is {nearest.max():.3g} mm away"
+            f"no point of the section is farther than {distance:g} mm from its singular points "
+            f"(ends of fixed edges, re-entrant corners); the farthest one is {nearest.max():.3g} "
+            "mm away; use a smaller away_from_singular"
         )
     return left

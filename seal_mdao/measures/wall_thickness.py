@@ -77,7 +77,10 @@ class WallThickness(Measure):
     def __post_init__(self):
         values.real(f"deficit of {self.name!r}", self.deficit, above=0.0, below=1.0)
         if bool(self.edges) != bool(self.opposite):
-            raise ValueError(f"{self.name!r} needs edges on both sides of a wall, or none")
+            raise ValueError(
+                f"{self.name!r}: edges and opposite belong together; give both sides of the wall, "
+                "or neither"
+            )
 
     def evaluate(self, result, partials):
         found = self.distances(result.seal.body, result.particles)
@@ -116,7 +119,8 @@ class WallThickness(Measure):
         walls = self._walls(body)
         if not walls:
             raise ValueError(
-                f"{self.name!r}: no body has a hole; give edges and opposite, on both sides of a wall"
+                f"{self.name!r}: the section has no hole, so its walls are not known; give edges "
+                "and opposite, the two sides of a wall"
             )
         # points of either side with the straight sides of the other
         pairs = [_every_pair(*own) for wall in walls for own in (wall, wall[::-1])]
@@ -127,8 +131,8 @@ class WallThickness(Measure):
         size = np.hypot(*across.T)
         if not size.all():
             raise ValueError(
-                f"{self.name!r}: {', '.join(self.edges)} and {', '.join(self.opposite)} meet; name "
-                "edges that have another one between them"
+                f"{self.name!r}: {', '.join(self.edges)} and {', '.join(self.opposite)} share a "
+                "point, where the thickness is zero; name edges that do not meet"
             )
         return Distances(points, sides, along, across, size)
 

@@ -27,9 +27,14 @@ def check_format(path: Path) -> None:
         For another format, or mp4 without ffmpeg.
     """
     if path.suffix not in FORMATS:
-        raise ValueError(f"{path}: animations are written as {', '.join(FORMATS)}")
+        raise ValueError(
+            f"{path}: unknown format of animation; the name must end with {' or '.join(FORMATS)}"
+        )
     if path.suffix == ".mp4" and not writers.is_available("ffmpeg"):
-        raise ValueError(f"{path}: mp4 needs the program ffmpeg; take .gif or .html")
+        raise ValueError(
+            f"{path}: mp4 needs the program ffmpeg, which was not found; install it, or use .gif "
+            "or .html"
+        )
 
 
 @styled
@@ -60,7 +65,7 @@ def save_animation(
     check_format(path)
     count = len(result.path.nominal_steps)
     if count == 0:
-        raise ValueError("the result has no converged load step to draw")
+        raise ValueError("the result has no converged load step to draw; see result.failure")
     steps = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
     fine = fine_grid(result)
     scales = section.stress_scales([fine], steps)

@@ -106,7 +106,9 @@ def contact_pressure(result: SealResult, steps=None) -> Figure:
     steps = result.key_steps() if steps is None else steps
     profiles = contacts(result.seal)
     if not profiles or not len(steps):
-        raise ValueError("the result has no profile, or no converged load step to draw")
+        raise ValueError(
+            "the result has no profile, or no converged load step to draw (see result.failure)"
+        )
     count = len(profiles)
     figure, grid = subplots(count, 1, width=8.2, height=0.4 + 3.6 * count, squeeze=False)
     for contact, axes in zip(profiles, grid[:, 0], strict=True):

@@ -48,10 +48,13 @@ def ring_view(result: SealResult, step: int = -1) -> Figure:
         For a seal in plane strain, or a result without any converged step.
     """
     if not result.seal.body.axisymmetric:
-        raise ValueError('only a ring, kinematics = "axisymmetric" of [model], is shown in space')
+        raise ValueError(
+            'the three-dimensional figure needs a body of revolution, kinematics = "axisymmetric" '
+            "in [model]"
+        )
     steps = len(result.path.nominal_steps)
     if steps == 0:
-        raise ValueError("the result has no converged load step to draw")
+        raise ValueError("the result has no converged load step to draw; see result.failure")
     step, fine = range(steps)[step], fine_grid(result)
     x, scales = fine.deformed(step), section.stress_scales([fine], (step,))
     sweep = min(SWEEP, LONGEST * section.size_of(result) / x[:, 0].max())

@@ -47,10 +47,13 @@ def force_over_time(result: SealResult) -> Figure:
     """
     histories, stages = moving_histories(result), path_stages(result.seal)
     if not histories or not len(result.path.nominal_steps):
-        raise ValueError("the result has no profile, or no converged load step to draw")
+        raise ValueError(
+            "the result has no profile, or no converged load step to draw (see result.failure)"
+        )
     if stages is None:
         raise ValueError(
-            "the stages of this seal take no time: no material relaxes, and no stage has a duration"
+            "there is no time axis, because no material relaxes and no stage has a duration; use "
+            "the curves over travel instead"
         )
     # t after every nominal step, 0 at the start
     fractions = [step.fraction for step in result.path.nominal_steps]

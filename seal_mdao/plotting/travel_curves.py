@@ -206,7 +206,9 @@ def _segment_panels(rows, result: SealResult):
         The flag marks the last axes of a row.
     """
     if not rows or not len(rows[0][0].stage):
-        raise ValueError("the result has no profile, or no converged load step to draw")
+        raise ValueError(
+            "the result has no profile, or no converged load step to draw (see result.failure)"
+        )
     # one grid for all rows: as many columns as the longest one needs
     columns, n_rows = max(len(history.load_segments) for history, _ in rows), len(rows)
     # wider for more segments

@@ -52,7 +52,10 @@ class RecordedEvaluations:
     def __init__(self, path, driver):
         self._model = access.problem_of(driver).model
         if self._model.comm.size > 1:
-            raise RuntimeError("a run can be continued (hotstart_file) on one process only")
+            raise RuntimeError(
+                "hotstart_file: a run can be continued on a single process only, not under MPI "
+                f"with {self._model.comm.size}"
+            )
         self.path = Path(path)
         cases = read_cases(self.path)
         # a continued run numbers its iterations from here
@@ -77,8 +80,8 @@ class RecordedEvaluations:
                 known.totals = known.totals or case.totals
         if finished and not self._by_design:
             raise RestartError(
-                f"no case in {path} holds the design variables, objective and constraints of this "
-                "problem"
+                f"no case in {path} contains all design variables, the objective and the "
+                "constraints of this problem; give the recorder file of this problem"
             )
 
     def __len__(self) -> int:
@@ -120,8 +123,8 @@ class RecordedEvaluations:
         recorded = self.find()
         if recorded is None:
             raise RestartError(
-                f"the start of this run is not the start of the run in {self.path}; "
-                "seal_mdao.restart(problem, path) takes it from the file"
+                "the design variables of this run start from other values than those recorded in "
+                f"{self.path}; set the recorded start with seal_mdao.restart(problem, path)"
             )
         for name, here, value in _recorded_and_present(recorded, self._model):
             if name not in recorded.outputs:
@@ -130,8 +133,9 @@ class RecordedEvaluations:
             scale = np.abs(value).max(initial=0.0)
             if not np.abs(here - value).max(initial=0.0) <= AGREEMENT * scale:
                 raise RestartError(
-                    f"{self.path} was recorded with another model: at the start {name} is not "
-                    "what this model gives"
+                    f"{self.path} was recorded with another model: at the start design this model "
+                    f"gives another value of {name}; restart with the recorded model, or begin a "
+                    "new run"
                 )
 
     def _design(self) -> list[np.ndarray]:

@@ -56,7 +56,10 @@ class PlainDatabase:
             raise ValueError(f"{path} is not a file")
         beside = [path.with_name(path.name + ending) for ending in ("-journal", "-wal")]
         if beside[0].is_file() and beside[0].read_bytes()[-8:] == TWO_FILES:
-            raise ValueError(f"the journal beside {path} is that of several files")
+            raise ValueError(
+                f"the SQLite journal of {path} belongs to a transaction over several files, which "
+                "is not supported"
+            )
         # limits of what is read follow from the size of the file
         self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())
         self._steps = LEAST_STEPS + STEPS_PER_BYTE * self._bytes
@@ -94,10 +97,13 @@ class PlainDatabase:
             for (name, kind), value in zip(columns.items(), row, strict=True):
                 # SQLite columns hold values of any type, whatever is declared
                 if not isinstance(value, kind):
-                    raise TypeError(f"column {name!r} of its table {table!r} holds a {type(value)}")
+                    raise TypeError(
+                        f"column {name!r} of its table {table!r} contains a value of the type "
+                        f"{type(value).__name__}"
+                    )
                 left -= len(value) if isinstance(value, str | bytes) else 1
             if left < 0:
-                raise ValueError(f"its table {table!r} gives more than the file holds")
+                raise ValueError(f"its table {table!r} yields more data than the size of the file")
             found.append(row)
         return found
 
@@ -140,7 +146,7 @@ def unpacked(blob: bytes):
     decompressor = zlib.decompressobj()
     text = decompressor.decompress(blob, LARGEST_JSON)
     if not decompressor.eof:
-        raise EOFError(f"compressed metadata are cut short, or more than {LARGEST_JSON} bytes")
+        raise EOFError(f"compressed metadata are truncated or larger than {LARGEST_JSON} bytes")
     return json.loads(text)
 
 
@@ -171,7 +177,7 @@ def checked_units(text: str | None) -> str | None:
         For any other text.
     """
     if text is not None and not UNITS.fullmatch(text):
-        raise ValueError(f"a variable in it has the invalid units {text!r}")
+        raise ValueError(f"one of its variables has the invalid units {text!r}")
     return text
 
 

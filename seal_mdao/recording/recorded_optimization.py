@@ -176,7 +176,10 @@ class RecordedOptimization:
         """
         offsets, parameters = self.seals[0].design(index) if self.seals else (None, {})
         if offsets is None:
-            raise ValueError("the recorder file does not hold the boundary offsets of a seal")
+            raise ValueError(
+                "the recorder file does not contain the boundary offsets of a seal; record them "
+                "with seal_mdao.RestartRecorder"
+            )
         return offsets, parameters
 
 
@@ -222,9 +225,12 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     recorded = [case for _, case in read_driver_cases(database)]
     evaluated = [case for case in recorded if not case.failure and _finite(model, case)]
     if not evaluated:
-        raise ValueError(f"{path} holds no case of a driver")
+        raise ValueError(f"{path} contains no driver iterations; attach the recorder to the driver")
     if not model.values(evaluated[0], OBJECTIVE):
-        raise ValueError(f"{path} holds no objective, so there is nothing to follow")
+        raise ValueError(
+            f"{path} contains no objective; set record_objectives of the driver's "
+            "recording_options to True"
+        )
     # points of the history, and the seals at them
     runs = run_log.read_runs(database)
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)

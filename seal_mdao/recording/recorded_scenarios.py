@@ -70,8 +70,10 @@ def _table(text: str) -> tuple[list[str], np.ndarray]:
         found = json.loads(text)
         columns, rows = found["columns"], np.array(found["rows"], float)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
-        raise ValueError(f"its {SCENARIOS_OPTION} is not that of scenarios: {error}") from error
+        raise ValueError(
+            f"its option {SCENARIOS_OPTION} does not describe scenarios: {error}"
+        ) from error
     names = isinstance(columns, list) and all(isinstance(name, str) for name in columns)
     if not names or rows.ndim != 2 or not len(rows) or rows.shape[1] != len(columns):
-        raise ValueError(f"its {SCENARIOS_OPTION} is not that of scenarios")
+        raise ValueError(f"its option {SCENARIOS_OPTION} does not describe scenarios")
     return columns, rows

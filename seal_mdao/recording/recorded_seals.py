@@ -113,7 +113,9 @@ def recorded_settings(model: RecordedModel) -> dict:
                 found = json.loads(options[PROBLEM_OPTION])
                 if isinstance(found, dict):
                     return found
-            raise ValueError(f"its {PROBLEM_OPTION} are not those of a problem")
+            raise ValueError(
+                f"its option {PROBLEM_OPTION} does not describe an optimisation problem"
+            )
     return {}
 
 

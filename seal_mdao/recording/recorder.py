@@ -147,7 +147,9 @@ class RestartRecorder(SqliteHooks):
         # on several processes OpenMDAO writes one file per process
         if comm is not None and comm.size > 1:
             if self._append:
-                raise RuntimeError("RestartRecorder appends to a file on one process only")
+                raise RuntimeError(
+                    "RestartRecorder can append to a file on a single process only, not under MPI"
+                )
             self.make_database(comm)
             return
         self._lock = claim(self.path)

@@ -117,10 +117,14 @@ def read_model(database: PlainDatabase) -> RecordedModel:
     version = versions[0][0]
     if version < OLDEST_FORMAT:
         raise ValueError(
-            f"its format {version} is older than {OLDEST_FORMAT}, the first that is read"
+            f"its format {version} is older than {OLDEST_FORMAT}, the oldest one supported; record "
+            "the run again"
         )
     if version > format_version:
-        raise ValueError(f"its format {version} is newer than {format_version} of this OpenMDAO")
+        raise ValueError(
+            f"its format {version} is newer than {format_version}, that of the installed OpenMDAO; "
+            "update OpenMDAO"
+        )
     (row,) = database.rows("metadata", METADATA)
     names, metadata, variables, sources = map(unpacked, row)
     variables.pop("execution_order", None)

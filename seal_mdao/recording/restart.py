@@ -65,8 +65,9 @@ def restart(problem, path) -> None:
     driver = problem.driver
     if "hotstart_file" not in driver.options:
         raise TypeError(
-            f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; "
-            "Problem.load_case takes any driver to a recorded point, from which it starts again"
+            f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; with "
+            "another driver, load a recorded design with Problem.load_case and start a new run "
+            "from it"
         )
     # variables and scaling of the driver are known after the final setup
     problem.final_setup()
@@ -89,15 +90,15 @@ def _require_same_setup(path, driver) -> None:
     different += _different_variables(_recorded_settings(path), access.variable_settings(driver))
     if different:
         raise RestartError(
-            f"{path} was recorded with another problem, so the optimiser would not come by its "
-            f"points: {'; '.join(different)}"
+            f"{path} was recorded with another problem and cannot be continued: "
+            f"{'; '.join(different)}"
         )
     # other options may lead to other steps: a warning
     changed = _different_options(runs[-1].options, run_log.options_of(driver)) if runs else []
     if changed:
         warnings.warn(
-            f"{path} was recorded with other options of the driver, under which it may take other "
-            f"steps: {'; '.join(changed)}",
+            f"{path} was recorded with other options of the driver, so the continued run may take "
+            f"other steps: {'; '.join(changed)}",
             RestartWarning,
             stacklevel=3,
         )
@@ -128,8 +129,10 @@ def _different_options(recorded: dict, here: dict) -> list:
 def _different_variables(recorded: dict | None, here: dict) -> list:
     if recorded is None:
         return []
-    found = [f"{name!r} was not in it" for name in here if name not in recorded]
-    found += [f"{name!r} is not in this one" for name in recorded if name not in here]
+    found = [
+        f"{name!r} was not part of the recorded problem" for name in here if name not in recorded
+    ]
+    found += [f"{name!r} is not part of this problem" for name in recorded if name not in here]
     for name in (name for name in here if name in recorded):
         # bounds before scaling: recorded ones may be scaled
         old, new = (access.with_unscaled_bounds(table[name]) for table in (recorded, here))

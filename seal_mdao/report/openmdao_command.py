@@ -13,7 +13,9 @@ def setup():
 
 def add_arguments(parser) -> None:
     """Declare the arguments of the command."""
-    parser.add_argument("cases", metavar="CASES.sql", help="file of a case recorder of the driver")
+    parser.add_argument(
+        "cases", metavar="CASES.sql", help="recorder file (SqliteRecorder) of the driver"
+    )
     parser.add_argument("-o", metavar="report.html", dest="outfile", help="file to write")
     parser.add_argument("--no-display", action="store_true", help="do not open a browser")
 

@@ -259,8 +259,8 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
         cell = int(np.argwhere(~(weights > 0.0))[0, 0])
         x, y = particles[mapping.cells[cell]].mean(axis=0)
         raise GeometryError(
-            f"the section is folded: background cell {cell} near ({x:.4g}, {y:.4g}) has no positive "
-            "area; use smaller or smoother boundary offsets"
+            f"the section is folded: background cell {cell} near ({x:.4g}, {y:.4g}) has a negative "
+            "or zero area; use smaller or smoother boundary offsets"
         )
     return weights
 

@@ -17,11 +17,11 @@ from seal_mdao.scenarios.task import Outcome, SealTask, run_task
 
 AHEAD = 2
 """Scenarios submitted per process: one in progress, one waiting."""
-DIED = "its worker process ended twice, without a word: out of memory?"
+DIED = "the worker process died twice, probably out of memory; use fewer workers"
 
 NONE_BEGAN = (
-    "worker processes were started twice and ended before they could work; a script that starts some "
-    'must keep what it runs under  if __name__ == "__main__":'
+    "worker processes ended twice during start-up; put the code of the script that starts them "
+    'under  if __name__ == "__main__":'
 )
 
 

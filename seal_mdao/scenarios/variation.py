@@ -83,7 +83,7 @@ class Scenarios:
         object.__setattr__(self, "variations", tuple(self.variations))
         names = [variation.name for variation in self.variations]
         if len(set(names)) < len(names):
-            raise ValueError(f"names of variations repeat: {', '.join(names)}")
+            raise ValueError(f"every variation needs a different name, got {', '.join(names)}")
         numbers = values.numbers("numbers of scenarios", self.numbers)
         if numbers.ndim != 2 or numbers.shape[1] != len(names) or not len(numbers):
             raise ValueError(
@@ -120,8 +120,8 @@ class Scenarios:
         unknown = [name for name in self.parameters if name not in seal.scalars]
         if unknown:
             raise ValueError(
-                f"scenarios vary the unknown parameter {unknown[0]!r}; known are "
-                f"{', '.join(seal.scalars)}"
+                f"scenarios vary the unknown parameter {unknown[0]!r}; the parameters of the seal "
+                f"are {', '.join(seal.scalars)}"
             )
         if self.offsets is not None and self.offsets.shape[1] != seal.n_offsets:
             raise ValueError(

@@ -104,8 +104,8 @@ def _balance(samples: EvaluationPoints):
     if not left[worst] <= OPEN_BALANCE:
         yield Finding(
             f"equilibrium is met to {left[worst]:.1g} of the forces only at path parameter "
-            f"{path.steps[worst].fraction:.4g}: rounding, or a tolerance that is too large, ended the "
-            "iterations; use moduli nearer to each other and the default tolerance",
+            f"{path.steps[worst].fraction:.4g}: rounding errors or a large tolerance ended the "
+            "iterations; use material moduli of similar magnitude and the default tolerance",
             not left[worst] <= NO_BALANCE,
         )
 
@@ -120,14 +120,14 @@ def _stability(samples: EvaluationPoints):
     if path.problem.symmetric:
         # critical point of a potential energy
         text = (
-            "equilibrium is not stable at the end: the body would move on to another one; follow the "
-            'stable branch (branch="stable" of NewtonOptions)'
+            "equilibrium is not stable at the end: the body would jump to another equilibrium; "
+            'follow the stable branch (branch="stable" of NewtonOptions)'
         )
     else:
         # with friction the sign of det K only suggests it
         text = (
             "equilibrium may not be stable at the end: the determinant of the tangent is negative; "
-            "compare with a little more load or other friction"
+            "compare with slightly more load or other friction"
         )
     yield Finding(text, False)
 
@@ -163,10 +163,10 @@ def _strains(samples: EvaluationPoints):
         place = samples.undeformed[cells[own[worst]]].mean(axis=0)
         name = f" {region.name!r}" if region.name else ""
         yield Finding(
-            f"{100.0 * outside.mean():.2g} % of the cells of the material{name} are "
-            f"strained beyond the range of its constants (stretches {valid[0]:g} to {valid[1]:g}): "
-            f"{least[worst]:.3g} to {largest[worst]:.3g} near {_at(place)}; take constants fitted to "
-            "tests that reach as far",
+            f"{100.0 * outside.mean():.2g} % of the cells of the material{name} are strained "
+            f"beyond the range of its constants (stretches {valid[0]:g} to {valid[1]:g}): "
+            f"{least[worst]:.3g} to {largest[worst]:.3g} near {_at(place)}; use constants fitted "
+            "to tests that cover this range",
             False,
         )
 
@@ -183,9 +183,9 @@ def _volume(samples: EvaluationPoints):
     if beside.any() and not (corner := least[beside].min()) > slight:
         worst = int(np.flatnonzero(beside & (least == corner))[0])
         yield Finding(
-            f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} where "
-            f"{_at(samples.undeformed[worst])} undeformed; forces are hardly changed by it, but "
-            f"{LEAVE_OUT}",
+            f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} "
+            f"where {_at(samples.undeformed[worst])} undeformed; this hardly changes the forces, "
+            f"but {LEAVE_OUT}",
             False,
             meaningless=True,
         )
@@ -194,7 +194,7 @@ def _volume(samples: EvaluationPoints):
         yield Finding(
             f"material is {_squeezed(change[worst])} between the quadrature points: det F = "
             f"{change[worst]:.2g} where {_at(samples.undeformed[worst])} undeformed, so the stress "
-            f"there means nothing; {_volume_cure(samples)}",
+            f"there is meaningless; {_volume_cure(samples)}",
             not change[worst] > none,
             meaningless=True,
         )
@@ -207,9 +207,9 @@ def _volume_cure(samples: EvaluationPoints) -> str:
     if points > 2 or not pressure > HIGH_PRESSURE:
         return CURE
     return (
-        f"the pressure in the rubber reaches {pressure:.3g} shear moduli, and above about "
-        f"{HIGH_PRESSURE:g} particles may oscillate with 2 x 2 Gauss points in a cell: use 3 x 3 "
-        "(quadrature = 3 of [section] with a spacing)"
+        f"the pressure in the rubber reaches {pressure:.3g} shear moduli; above about "
+        f"{HIGH_PRESSURE:g} the displacements may oscillate with 2 x 2 Gauss points per cell, so "
+        "use 3 x 3 (quadrature = 3 in [section] with a spacing)"
     )
 
 
@@ -243,8 +243,8 @@ def _crossing(samples: EvaluationPoints):
         place = x[segments[pairs[worst]]].mean(axis=(0, 1))
         yield Finding(
             f"the boundary crosses itself near {_at(place)} by {depth[worst]:.2g} mm, "
-            f"{100.0 * depth[worst] / samples.wall:.2g} % of the wall's thickness: there is no contact "
-            "between its parts there; use a smaller depth, or contact of the section with itself",
+            f"{100.0 * depth[worst] / samples.wall:.2g} % of the wall thickness, because no "
+            "self-contact is defined there; add these edges to [self_contact], or use less travel",
             bool(depth[worst] > DEEP * samples.wall),
             meaningless=bool(depth[worst] > CROSSED * samples.wall),
         )
@@ -281,8 +281,8 @@ def _inside_itself(samples: EvaluationPoints):
             place, depth = x[points[gap.argmin()]], -gap.min()
             yield Finding(
                 f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
-                f"{100.0 * depth / size:.2g} % of {whose}: the penalty of "
-                f"{term.label!r} is too small; use a larger one, or a smaller depth",
+                f"{100.0 * depth / size:.2g} % of {whose}: the penalty of {term.label!r} is too "
+                "small; use a larger penalty or less travel",
                 bool(depth > DEEP * samples.wall),
             )
 
@@ -304,9 +304,9 @@ def _inside_profiles(samples: EvaluationPoints):
     edges, buried = path.discretization.body.edges, list(buried_edges(path, SLIGHT * size))
     for own in buried:
         yield Finding(
-            f"the edge {own.edge!r} may not touch the rigid profile {own.profile!r}, and lies inside it "
-            f"from {own.since} on, by up to {own.depth:.3g} mm near {_at(own.place)}, "
-            f"{100.0 * own.depth / size:.2g} % of {whose}, so forces are wrong from there on; "
+            f"the edge {own.edge!r} may not touch the rigid profile {own.profile!r}, and lies "
+            f"inside it from {own.since} on, by up to {own.depth:.3g} mm near {_at(own.place)}, "
+            f"{100.0 * own.depth / size:.2g} % of {whose}, so forces are wrong from then on; "
             f"{own.cure}",
             bool(own.depth > DEEP * samples.wall),
             meaningless=bool(own.depth > MISSED * samples.wall),
@@ -326,9 +326,9 @@ def _inside_profiles(samples: EvaluationPoints):
             place = samples.places[which[worst]]
             yield Finding(
                 f"the seal lies {-gap[worst]:.3g} mm inside the rigid profile {term.label!r} near "
-                f"{_at(place)}, {-100.0 * gap[worst] / size:.2g} % of {whose}: there is contact at the "
-                "contact points only, with a penalty; use more particles along the boundary, a rounder "
-                "profile, a larger normal penalty, or a smaller depth",
+                f"{_at(place)}, {-100.0 * gap[worst] / size:.2g} % of {whose}: contact acts only "
+                "at the contact points and by a penalty; use more particles along the boundary, a "
+                "rounder profile, a larger normal penalty, or less travel",
                 not gap[worst] >= -DEEP * samples.wall,
             )
 
@@ -356,6 +356,7 @@ def _below_base(samples: EvaluationPoints):
     if depth[worst] > SLIGHT * samples.wall:
         yield Finding(
             f"the seal sinks {depth[worst]:.3g} mm below the plane of its base near "
-            f"{_at(samples.places[which[worst]])}: a support wider than the base is not in the model",
+            f"{_at(samples.places[which[worst]])}: the model has no support beyond the fixed base; "
+            "fix the base over its full width, or add the support as a [[profile]]",
             False,
         )

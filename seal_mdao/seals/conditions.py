@@ -88,8 +88,8 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
         (low, high), at = environment.temperature.extremes, growth.factors[:, 0]
         if low < at[0] or high > at[-1]:
             raise ValueError(
-                f"temperature: {prefix}modulus_over_temperature goes from {at[0]:g} to {at[-1]:g}, "
-                f"but the temperatures from {low:g} to {high:g} degrees Celsius; add points to the "
+                f"{prefix}modulus_over_temperature goes from {at[0]:g} to {at[-1]:g} degrees "
+                f"Celsius, but the temperature varies from {low:g} to {high:g}; add points to this "
                 "table, or vary the temperature less"
             )
 

@@ -118,8 +118,8 @@ def _unmeasured(result, measure) -> str:
     gap = result.response(base.profile).gap[np.array(points, int)]
     return (
         f"the largest gap to {base.profile!r}, {largest.size:.3g} mm at "
-        f"{values.place(largest.place)} of the undeformed section, lies outside of the points at which "
-        f"{measure.name} is measured, where it is {gap.max(initial=0.0):.3g} mm at most: the opening "
-        "has moved away from them; minimise a measure of the gap wherever it opens (--gap-integral, "
-        "gap_square_integral)"
+        f"{values.place(largest.place)} of the undeformed section, lies outside of the points at "
+        f"which {measure.name} is evaluated, where it is at most {gap.max(initial=0.0):.3g} mm: "
+        "the opening has moved away from them; minimise the integral of the gap instead "
+        "(gap_square_integral, --gap-integral)"
     )

@@ -28,8 +28,8 @@ BESIDE = 1.0
 points between the particles. On a bonded half disc and a bonded gasket no point farther away does."""
 CURE = "round the corner, refine the particles there (spacing, layers), or use less travel"
 LEAVE_OUT = (
-    "the exact stress there is infinite and smaller particles only come closer to it: leave the point "
-    "out of limits of the stress (away_from_singular of von_mises)"
+    "the exact stress there is infinite, so the computed one grows with refinement; exclude this "
+    "point from stress measures (away_from_singular of von_mises)"
 )
 """What to do at the end of a fixed edge, which no refinement cures."""
 
@@ -55,7 +55,7 @@ def meaningless_states(samples: EvaluationPoints):
     if not found.value <= LARGEST_STRETCH:
         yield (
             f"a principal stretch is {found.value:.3g} {found.where}, beyond that of any rubber at "
-            f"break, so the stress there means nothing; {cure_at(samples, found.point)}"
+            f"break, so the stress there is meaningless; {cure_at(samples, found.point)}"
         )
     path, body = samples.path, samples.path.discretization.body
     places = body.samples.at(samples.path.discretization.particles)
@@ -72,9 +72,9 @@ def meaningless_states(samples: EvaluationPoints):
         near = np.median(stress[cKDTree(places).query(places[worst], k=13)[1][1:]])
         if not stress[worst] <= ABOVE_NEIGHBOURS * near:
             yield (
-                f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} times "
-                f"the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: the "
-                f"cells there are distorted, and this stress means nothing; "
+                f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
+                f"times the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: "
+                "the cells there are distorted, and this stress is meaningless; "
                 f"{cure_at(samples, places[worst])}"
             )
 

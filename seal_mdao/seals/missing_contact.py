@@ -84,9 +84,10 @@ def missing_contact(path: PathResult) -> str:
         return ""
     lies = f"came as near as {-own.depth:.3g} mm"
     if own.depth > 0.0:
-        lies = f"lay up to {own.depth:.3g} mm inside it"
+        lies = f"penetrates it by up to {own.depth:.3g} mm"
     return (
-        f"The edge {own.edge!r} may not touch the profile {own.profile!r}, and {lies}: {own.cure}"
+        f"The edge {own.edge!r} has no contact with the profile {own.profile!r} (key contact), but "
+        f"{lies}; {own.cure}"
     )
 
 
@@ -121,11 +122,11 @@ def _position(motion: Motion, step: int) -> str:
 def _cure(body, name: str, touching) -> str:
     """Say what to do for an edge, where all edges of ``touching`` have to touch the profile."""
     if body.fixed[body.edges[name].particles].all():
-        return "it is fixed; let the profile travel less, or end the fixed edge before it"
+        return "the edge is fixed, so use less travel, or end the fixed edge before the profile"
     listed = [own for own in body.edges if own in touching]
     # neighbours on the boundary begin once, or nowhere all round it
     ends = {int(body.edges[own].particles[-1]) for own in listed}
     if sum(int(body.edges[own].particles[0]) not in ends for own in listed) > 1:
-        return "give it a profile of its own with the same curve and motion"
+        return "add a second [[profile]] with the same curve and motion for this edge"
     names = ", ".join(f'"{own}"' for own in listed)
-    return f"add it, contact = [{names}], or leave contact out: then all free neighbours may touch"
+    return f"add it, contact = [{names}], or leave contact out to include all free neighbours"

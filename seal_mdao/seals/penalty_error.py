@@ -225,7 +225,7 @@ def _elastic_slip(term, response) -> float:
 def not_estimable(errors: dict[str, PenaltyError]) -> str:
     """Name the measures without an estimate in a message; empty where all have one."""
     names = ", ".join(name for name, found in errors.items() if not found.estimable)
-    return f"{names} not estimable: contact is about to part" if names else ""
+    return f"{names} not estimable: contact is about to separate" if names else ""
 
 
 def warnings_of(result) -> tuple[str, ...]:
@@ -241,8 +241,8 @@ def warnings_of(result) -> tuple[str, ...]:
     unknown = not_estimable(result.penalty_error)
     if unknown:
         lines.append(
-            f"error by contact penalties of {unknown}, or the penalties are far too small; analyse "
-            "once more with ten times the penalties and compare"
+            f"error by contact penalties of {unknown}, or the penalties are far too small; repeat "
+            "the analysis with ten times the penalties and compare"
         )
     return tuple(lines)
 
@@ -256,8 +256,8 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
     said = f"the contact penalties permit penetration, which makes {changes}, as estimated"
     if chosen_penalties(result.seal):
         return (
-            f"{said}: with higher penalties than those chosen the iterations converge badly; use less "
-            "travel, smaller load steps or a finer spacing where the contact presses"
+            f"{said}, but with higher penalties than those chosen convergence is poor; use less "
+            "travel, smaller load steps or a finer spacing in the contact zone"
         )
     cures = []
     # error ~ 1/w: w_new = w (error / CURED)

@@ -109,7 +109,9 @@ def leading_contact(seal) -> RigidContact:
     """
     found = contacts(seal)
     if not found:
-        raise ValueError("the seal has no profile that it may touch")
+        raise ValueError(
+            "the seal has no profile, so there is no contact to evaluate; add a [[profile]]"
+        )
     return next((contact for contact in found if contact.motion.moves), found[0])
 
 

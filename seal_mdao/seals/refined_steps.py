@@ -57,8 +57,9 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
         ends, coarse = finer, fine
     raise ValueError(
-        f"load steps within {tolerance:g} were not found: {len(ends)} of them still err by {error:.2g}; "
-        "allow a larger tolerance or give the steps"
+        f"load steps within the tolerance {tolerance:g} were not found: the error with {len(ends)} "
+        f"steps is still {error:.2g}; allow a larger tolerance in [steps], or give steps in every "
+        "stage"
     )
 
 

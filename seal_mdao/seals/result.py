@@ -197,8 +197,8 @@ class SealResult:
         """
         if self.boundary_offsets is None:
             raise ValueError(
-                "a result computed from particles has no boundary offsets; the area of its cells is "
-                "path.discretization.weights.sum()"
+                "this result was computed from given particles and has no boundary offsets; use "
+                "path.discretization.weights.sum() for the area of its cells"
             )
         return self.seal.area(self.boundary_offsets)[0]
 
@@ -222,7 +222,7 @@ class SealResult:
         wrong = [found.text for found in findings(self.path) if found.impossible]
         if wrong:
             raise LoadPathError(
-                f"the end of the load path is not possible: {'; '.join(wrong)}", self
+                f"the state at the end of the load path is not admissible: {'; '.join(wrong)}", self
             )
 
     def admissible_values(self, measures) -> dict:
@@ -241,7 +241,9 @@ class SealResult:
             wrong = [own.missing(self) for own in measures if own.name in unknown]
             wrong = [*filter(None, wrong)]
             wrong += [found.text for found in findings(self.path) if found.meaningless]
-            raise LoadPathError(f"{', '.join(unknown)} is not a number: {'; '.join(wrong)}", self)
+            raise LoadPathError(
+                f"{', '.join(unknown)} cannot be evaluated: {'; '.join(wrong)}", self
+            )
         return values
 
     @property
@@ -407,8 +409,8 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
         if not nominal.converged:
             names = ", ".join(repr(measure.name) for measure in wanted)
             raise LoadPathError(
-                f"measures ({names}) have the places that the nominal seal gives them, but there "
-                f"{nominal.failure}",
+                f"the points of the measures {names} are chosen on the nominal seal, but its "
+                f"analysis failed: {nominal.failure}",
                 nominal,
             )
         for measure in (*wanted, *seal.measures()):  # those of always are asked for next

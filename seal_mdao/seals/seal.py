@@ -122,7 +122,7 @@ class Seal:
                 )
         for name in ("nominal_particles", "design_velocity"):
             if not np.isfinite(values.numbers(name, getattr(self, name))).all():
-                raise ValueError(f"{name} must be finite numbers")
+                raise ValueError(f"{name} must be finite")
         # X_0 (n, 2) and V (P, n, 2) for the n particles of the body
         shape = (self.body.n_particles, 2)
         if np.shape(self.nominal_particles) != shape:
@@ -138,11 +138,11 @@ class Seal:
         # a label is how measures, sensitivities and figures find a term
         labels = [definition.label for definition in self.definitions]
         if len(set(labels)) < len(labels):
-            raise ValueError(f"labels of terms repeat: {labels}")
+            raise ValueError(f"every term needs a different label, got {labels}")
         unknown = [name for name in self.inputs if name not in self.scalars]
         if unknown:
             raise ValueError(
-                f"no term has the input {unknown[0]!r}; known are {', '.join(self.scalars)}"
+                f"no term has the input {unknown[0]!r}; the inputs are {', '.join(self.scalars)}"
             )
 
     def __repr__(self) -> str:
@@ -434,7 +434,7 @@ class Seal:
             )
         bad = np.flatnonzero(~np.isfinite(offsets))
         if bad.size:
-            raise ValueError(f"boundary_offsets[{bad[0]}] is not a finite number")
+            raise ValueError(f"boundary_offsets[{bad[0]}] is not finite")
         far = np.flatnonzero(np.abs(offsets) > self.offset_limit)
         if far.size:
             raise ValueError(
@@ -457,4 +457,6 @@ def _check_known(what: str, names, known) -> None:
     """Raise ValueError for a name of a measure or parameter that is not known."""
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"unknown {what} {unknown[0]!r}; known are {', '.join(known) or 'none'}")
+        raise ValueError(
+            f"unknown {what} {unknown[0]!r}; the known ones are {', '.join(known) or 'none'}"
+        )

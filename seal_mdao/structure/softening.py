@@ -183,7 +183,9 @@ class Softening:
     def step_density(self, density, f, response):
         if response is None:
             raise ValueError(
-                "the energy that a softening body stores depends on the largest one that it has had"
+                "the stored energy of a softening body (Mullins effect) cannot be computed, "
+                "because it depends on the largest earlier energy; leave out measures of strain "
+                "energy and of dissipated work"
             )
         moduli = response.moduli
         # mu phi(W, W_max)
@@ -195,16 +197,13 @@ def _refuse(definition) -> None:
     environment = definition.environment
     if any(region.prony is not None for region in definition.regions):
         raise ValueError(
-            "softening together with relaxation is not available; give a body one of them"
+            "softening and relaxation cannot be combined in one body; leave out either"
         )
     if environment is not None and environment.axial_stretch is not None:
-        raise ValueError(
-            "softening is available in plane strain and in bodies of revolution, without an axial "
-            "stretch"
-        )
+        raise ValueError("softening cannot be combined with an axial stretch; leave out either")
     for region in definition.regions:
         if region.softening is not None and not is_isochoric(region.material):
             raise ValueError(
-                f"{type(region.material).__name__} is compressible; softening is that of the isochoric "
-                "energy of nearly incompressible rubber"
+                "softening is available for nearly incompressible rubber only, but "
+                f"{type(region.material).__name__} is compressible; leave softening out"
             )

@@ -39,7 +39,7 @@ class Jobs:
         except Exception:
             # a fault of the program: the page says so, the terminal has the traceback
             traceback.print_exc()
-            text = f"the program has a fault in {kind!r}; the terminal shows where"
+            text = f"internal error in {kind!r}; the terminal shows the traceback"
             self._send("failed", {"job": kind, "text": text})
         else:
             texts = {str(own.message).split("\n")[0] for own in noted}

@@ -118,7 +118,7 @@ def write_drawing(project: Project, name: str, content: bytes) -> tuple[str, str
     """
     path = project.path(name)
     if path.suffix.lower() != ".dxf":
-        raise ProjectError("drop a drawing whose name ends with .dxf")
+        raise ProjectError("only drawings with the ending .dxf can be dropped here")
     stem = project.new(path.stem, (".toml", LAYERED))
     if path.exists() and path.read_bytes() != content:
         # the drawing of that name stays as it is

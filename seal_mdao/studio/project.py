@@ -29,7 +29,7 @@ class Project:
     def __init__(self, folder):
         self.folder = Path(folder).resolve()
         if not self.folder.is_dir():
-            raise ProjectError(f"{folder} is no folder")
+            raise ProjectError(f"{folder} is not a folder")
 
     def path(self, name: str) -> Path:
         """Return the path of a file in the folder.
@@ -41,12 +41,12 @@ class Project:
         """
         if not isinstance(name, str) or not NAME.fullmatch(name):
             raise ProjectError(
-                "a name has letters, digits, blanks, '-' and '_', at most 60 of them, and an end such "
-                "as .toml"
+                "a file name may contain at most 60 letters, digits, blanks, '-' and '_', and "
+                "needs an ending such as .toml"
             )
         path = self.folder / name
         if path.suffix.lower() not in KINDS:
-            raise ProjectError(f"{name}: files end with {', '.join(KINDS)}")
+            raise ProjectError(f"{name}: the ending must be {' or '.join(KINDS)}")
         # of plain names only a symbolic link could lead out of the folder
         if path.is_symlink():
             raise ProjectError(f"{name} is not in the project folder")

@@ -72,7 +72,7 @@ class Session:
         """Open a seal file of the project."""
         path = self.project.path(name)
         if not path.is_file() or path.suffix != ".toml":
-            raise RequestError(f"{name} is no seal file in the project folder")
+            raise RequestError(f"{name} is not a seal file in the project folder")
         self._forget()
         self.file = name
         self.worker.start()
@@ -96,7 +96,7 @@ class Session:
             For one that cannot be followed; nothing has changed then.
         """
         if not isinstance(message, dict):
-            raise RequestError("a message is an object with the key do")
+            raise RequestError("a message must be an object with the key 'do'")
         does = message.get("do")
         known = {
             "drag": self._drag, "commit": self._commit, "undo": self._undo, "redo": self._redo,
@@ -106,18 +106,18 @@ class Session:
             "errors": self._errors,
         }  # fmt: skip
         if not isinstance(does, str) or does not in known:
-            raise RequestError(f"there is no message {str(does)[:40]!r}")
+            raise RequestError(f"unknown message {str(does)[:40]!r}")
         if does != "open" and self.scene is None:
-            raise RequestError("no seal file is open yet")
+            raise RequestError("open a seal file first")
         known[does](message)
 
     def _numbers(self, message) -> list[float]:
         """Return the design of a message within the ranges of its numbers."""
         given, numbers = message.get("design"), self.scene["numbers"]
         if not isinstance(given, list) or len(given) != len(numbers):
-            raise RequestError(f"a design has {len(numbers)} numbers")
+            raise RequestError(f"a design must have {len(numbers)} numbers")
         if not all(map(_is_number, given)):
-            raise RequestError("the numbers of a design are finite")
+            raise RequestError("the numbers of a design must be finite")
         return [
             min(max(float(value), own["low"]), own["high"])
             for own, value in zip(numbers, given, strict=True)
@@ -160,7 +160,7 @@ class Session:
     def _view(self, message) -> None:
         step = message.get("step")
         if not isinstance(step, int) or isinstance(step, bool) or not 0 <= step < 10**6:
-            raise RequestError("step is the number of a load step")
+            raise RequestError("step must be the number of a load step")
         # the last one is that of any path
         self.step = step if step < self.scene["steps"] - 1 else None
         self._look = True
@@ -169,7 +169,8 @@ class Session:
     def _improve(self, message) -> None:
         if self.scene["minimize"] is None or not self.scene["handles"]:
             raise RequestError(
-                "nothing is optimised yet: say what may move and what is minimised under 'Problem'"
+                "there is no optimisation problem yet; choose the edges that may move and the "
+                "measure to minimise under 'Problem'"
             )
         self._remember()
         self._wait("improve", design=self.design)
@@ -182,9 +183,11 @@ class Session:
     def _keep(self, message) -> None:
         exact = self.last.get("exact")
         if exact is None or exact["design"] != self.design:
-            raise RequestError("wait for the exact analysis of this design, then keep it")
+            raise RequestError(
+                "the exact analysis of this design has not finished; keep the design afterwards"
+            )
         if len(self.kept) == MOST_KEPT:
-            raise RequestError(f"{MOST_KEPT} designs are kept; drop one of them first")
+            raise RequestError(f"at most {MOST_KEPT} designs can be kept; remove one of them first")
         used = {own["name"] for own in self.kept}
         name = next(letter for letter in "ABCDEFGH" if letter not in used)
         parts = {key: exact[key] for key in ("design", "measures", "curves")}
@@ -218,7 +221,9 @@ class Session:
     def _share(self, message) -> None:
         exact = self.last.get("exact")
         if exact is None or exact["design"] != self.design:
-            raise RequestError("wait for the exact analysis of this design, then share it")
+            raise RequestError(
+                "the exact analysis of this design has not finished; share the design afterwards"
+            )
         name = f"{self.project.new(self.file.removesuffix('.toml') + '_shared', ('.html',))}.html"
         text = shared_page(self.file, self.scene, exact, self.kept, self.errors)
         self.project.path(name).write_text(text, encoding="utf-8")
@@ -231,26 +236,30 @@ class Session:
             if not isinstance(names, list) or not all(
                 isinstance(name, str) and name in known for name in names
             ):
-                raise RequestError(f"{key} is a list of edges")
+                raise RequestError(f"{key} must be a list of edges of the section")
         parameters, bound = message.get("parameters"), message.get("bound")
         if not isinstance(parameters, int) or not 1 <= parameters <= MOST_PARAMETERS:
-            raise RequestError(f"parameters of an edge are 1 to {MOST_PARAMETERS}")
+            raise RequestError(
+                f"the number of parameters of an edge must be 1 to {MOST_PARAMETERS}"
+            )
         if not _is_number(bound) or bound <= 0.0:
-            raise RequestError("the largest offset is a positive number")
+            raise RequestError("the largest offset must be a positive number (mm)")
         aim, limits = message.get("minimize") or None, message.get("limits")
         offered = self.scene["offered"]["measures"]
         if aim is not None and aim not in offered:
-            raise RequestError("what is minimised is a measure of the list")
+            raise RequestError("the objective must be one of the listed measures")
         if not isinstance(limits, list) or len(limits) > MOST_LIMITS:
-            raise RequestError(f"limits are a list of at most {MOST_LIMITS}")
+            raise RequestError(f"limits must be a list of at most {MOST_LIMITS}")
         for own in limits:
             if not isinstance(own, dict) or own.get("measure") not in offered:
-                raise RequestError("a limit is of a measure of the list")
+                raise RequestError("every limit must be on one of the listed measures")
             sides = [own.get("lower"), own.get("upper")]
             if not all(side is None or _is_number(side) for side in sides) or not any(
                 side is not None for side in sides
             ):
-                raise RequestError("a limit has a lower bound, an upper bound or both, as numbers")
+                raise RequestError(
+                    "every limit needs a lower bound, an upper bound or both, as numbers"
+                )
         limits = [{key: own.get(key) for key in ("measure", "lower", "upper")} for own in limits]
         stem = self.file.removesuffix(".toml").partition("_problem")[0]
         path = self.project.path(f"{self.project.new(f'{stem}_problem')}.toml")
@@ -286,7 +295,7 @@ class Session:
     def _wait(self, kind: str, **arguments) -> None:
         """Add a job."""
         if len(self._waiting) == MOST_JOBS:
-            raise RequestError("too much is being done already; wait for it")
+            raise RequestError("too many requests are waiting; try again when they are finished")
         self._waiting.append((kind, arguments))
         self._next()
 
@@ -404,7 +413,7 @@ class Session:
             self._broadcast("status", self.status())
             return
         self.worker.start()
-        text = "the worker process ended and is replaced"
+        text = "the worker process ended unexpectedly and is restarted"
         self._broadcast("failed", {"job": self.job, "text": text})
         self._begin("open", path=str(self.project.path(self.file)), chosen=self._chosen)
         self._broadcast("status", self.status())

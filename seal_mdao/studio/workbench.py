@@ -137,12 +137,12 @@ class Workbench:
             For a wrong count, or values out of their ranges.
         """
         if len(design) != len(self.numbers):
-            raise ValueError(f"a design has {len(self.numbers)} numbers, got {len(design)}")
+            raise ValueError(f"a design must have {len(self.numbers)} numbers, got {len(design)}")
         count, parameters = self.seal.n_offsets, {}
         for own, value in zip(self.numbers, design, strict=True):
             if not own.low <= value <= own.high:
                 raise ValueError(
-                    f"{own.text} = {value:g} is not between {own.low:g} and {own.high:g}"
+                    f"{own.text} = {value:g} is outside its range {own.low:g} to {own.high:g}"
                 )
         for own, value in zip(self.numbers[count:], design[count:], strict=True):
             if value != own.value:

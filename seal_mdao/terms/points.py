@@ -61,9 +61,9 @@ class MaterialPoints:
         """
         if self.averages is not None or self.points.anchors.shape[1] != 1:
             raise ValueError(
-                "these points lie between particles, or move as the mean of edges; the work of a "
-                "profile that turns, trapped air, fluids and contact of the body with itself want "
-                "contact at particles (Body.edge_points)"
+                "contact points between particles, or averaged over edges, are not supported for "
+                "the work of a rotating profile, trapped air, fluids and self-contact; use contact "
+                "points at the particles (Body.edge_points)"
             )
         return self.points.anchors[:, 0]
 

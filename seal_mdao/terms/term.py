@@ -286,7 +286,7 @@ class Term:
     def no_seeds(self, n_measures: int):
         """Zero seeds of measures on what they may take from the term: an object with ``used``, ``put``
         and ``times``, as ``PointSeeds``."""
-        raise ValueError(f"measures take nothing from the term {self.label!r}")
+        raise ValueError(f"the term {self.label!r} provides no quantities for measures")
 
 
 def work_of_forces(before, response) -> tuple[float, float]:

@@ -44,7 +44,7 @@ def read_tolerance_table(path) -> ToleranceTable:
     except OSError as error:
         raise SealFileError(f"{path}: cannot be read: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise SealFileError(f"{path}: this is not TOML: {error}") from None
+        raise SealFileError(f"{path}: not valid TOML: {error}") from None
     except ValueError as error:
         raise SealFileError(f"{path}: {error}") from None
 

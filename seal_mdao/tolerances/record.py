@@ -56,7 +56,7 @@ class StudyRecord:
             self._begin(settings)
         except sqlite3.DatabaseError as error:
             self._lock.release()
-            raise StudyFileError(f"{path} is no file of a tolerance study: {error}") from None
+            raise StudyFileError(f"{path} is not a file of a tolerance study: {error}") from None
         except BaseException:
             self._lock.release()
             raise
@@ -77,8 +77,9 @@ class StudyRecord:
             different = [key for key, value in settings.items() if there.get(key, value) != value]
             if different:
                 raise StudyFileError(
-                    f"{self.path} was made with another {different[0]}; continue with the same, "
-                    "take another folder, or start again (--overwrite)"
+                    f"{self.path} was written by a study with another {different[0]}; continue "
+                    "with the same settings, choose another folder (--out), or replace the study "
+                    "(--overwrite)"
                 )
             for name, columns in tables.items():
                 self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({columns})")
@@ -93,8 +94,9 @@ class StudyRecord:
         for name in further:
             if name.lower() in known:
                 raise StudyFileError(
-                    f"{self.path}: two of its columns would be {known[name.lower()]!r} and {name!r}, "
-                    "which are one name in SQL; rename one"
+                    f"{self.path}: the parameters or measures {known[name.lower()]!r} and {name!r} "
+                    "differ only in upper and lower case, which SQL does not distinguish; rename "
+                    "one"
                 )
             known[name.lower()] = name
         return ", ".join(f"{_quoted(name)} {kind}" for name, kind in (first | further).items())

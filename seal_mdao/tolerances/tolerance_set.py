@@ -82,7 +82,9 @@ class Tolerances:
         n_numbers = len(self.scattered)
         dimensions = n_numbers + (seal.n_offsets if self.boundary is not None else 0)
         if dimensions == 0:
-            raise ValueError("nothing varies; give tolerances of parameters or of the boundary")
+            raise ValueError(
+                "no tolerance is given; add a tolerance of a parameter or of the boundary"
+            )
         # inverse transform sampling: x = F^(-1)(u)
         shares = np.clip(_unit_samples(dimensions, count, method, seed), TINY, 1.0 - TINY)
         pairs = zip(self.scattered, shares.T, strict=False)

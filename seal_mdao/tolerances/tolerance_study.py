@@ -124,7 +124,10 @@ class ToleranceStudy:
         parameters = np.array([*middle.values(0, self.nominal).values()])
         outcome = replace(self.task, derivatives=True).run(self.boundary, parameters)
         if outcome.failure:
-            raise LoadPathError(f"the middle of all tolerances: {outcome.failure}")
+            raise LoadPathError(
+                "the analysis with all parameters at the middle of their tolerances failed: "
+                f"{outcome.failure}"
+            )
         # dm/dn = dm/dp dp/dn
         by_number = outcome.gradient[:, n:] @ middle.rates(0, self.nominal)[1]
         return FirstOrder(

@@ -57,7 +57,7 @@ def test_slower_convergence_ends(monkeypatch, second_order, tmp_path):
         chosen_spacing, "estimate_errors", lambda *given: {"reaction": estimate(0.04)}
     )
     monkeypatch.setattr(chosen_spacing, "analyze", lambda seal, keep_factors: Particles)
-    with pytest.raises(ValueError, match=r"reaction still errs by 4 % .* 12 particles"):
+    with pytest.raises(ValueError, match=r"error of reaction is still 4 % .* 12 particles"):
         refine(sm.read_seal_file(cord(tmp_path, spacing=0.8)), 0.01, ["reaction"])
 
 
@@ -77,7 +77,10 @@ def test_all_distances_are_multiplied(tmp_path):
 
 @pytest.mark.parametrize(
     ("names", "text"),
-    [(["force"], "unknown measure 'force'; known are reaction"), ([], "the file has no measures")],
+    [
+        (["force"], "unknown measure 'force'; known are reaction"),
+        ([], "the file has no measure whose"),
+    ],
 )
 def test_wrong_names(names, text, tmp_path):
     with pytest.raises(ValueError, match=text):
@@ -86,7 +89,9 @@ def test_wrong_names(names, text, tmp_path):
 
 def test_nothing_to_estimate():
     none = ErrorEstimate(np.ones(1), None, None, np.zeros(1), 1.0, "the path ends early")
-    with pytest.raises(ValueError, match="no error can be estimated: the path ends early"):
+    with pytest.raises(
+        ValueError, match="no discretisation error can be estimated: the path ends early"
+    ):
         Cloud(None, None, {"reaction": none}).worst(["reaction"])
 
 

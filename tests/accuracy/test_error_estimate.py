@@ -141,7 +141,7 @@ def test_design_is_refused(tmp_path):
     )
     file = sm.read_seal_file(path)
     result = analyze(sm.build_seal(file), np.array([0.0, 0.1, 0.0, 0.0]))
-    with pytest.raises(ValueError, match="not of a design"):
+    with pytest.raises(ValueError, match="for the nominal section only"):
         estimate_errors(file, result)
 
 

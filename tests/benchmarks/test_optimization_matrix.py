@@ -93,7 +93,7 @@ def test_runs_come_from_the_workers_and_one_that_fails_is_named(monkeypatch):
     for row in rows:
         assert row["success"] is None
         assert row["message"].startswith(
-            "ValueError: no contact point of the nominal seal has a gap"
+            "ValueError: the nominal seal has no gap between contact points"
         )
 
 

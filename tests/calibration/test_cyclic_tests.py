@@ -199,7 +199,7 @@ REFUSED = {
     ),
     "too few below": (
         made(YEOH, stretch=np.array([1.2, 1.4, 1.6, 1.8, 1.7, 1.0])),
-        "1 readings below the largest stretch so far are too few for the 2 constants",
+        "1 unloading or reloading readings .below the largest stretch before. are too few for the 2",
     ),
     "too few of the law": (
         made(YEOH, stretch=np.array([1.3, 1.6, 1.5, 1.4, 1.3, 1.2])),
@@ -247,9 +247,9 @@ def test_an_unstable_first_loading_is_refused():
 
 def test_a_law_without_softening_is_not_fitted_to_cycles():
     tests = made(YEOH)
-    with pytest.raises(MaterialDataError, match="cyclic test, with unloadings: 3 of uniaxial"):
+    with pytest.raises(MaterialDataError, match=r"cyclic test \(unloadings: 3 in uniaxial"):
         fit("yeoh", tests)
-    with pytest.raises(MaterialDataError, match="its stretches cannot be limited"):
+    with pytest.raises(MaterialDataError, match="a range of stretches cannot be cut out"):
         tests.between(1.1, 1.5)
     # the first loading alone is that of the law
     found = fit("yeoh", first_loading(tests))

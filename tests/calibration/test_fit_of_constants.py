@@ -154,9 +154,9 @@ def test_unstable_constants_are_refused_with_the_stretch():
     ("law", "options", "words"),
     [
         ("rubber", {}, "law must be one of .'neo_hookean'"),
-        ("yeoh", {"terms": 2}, "yeoh has 1 to 1 terms, got 2"),
-        ("ogden", {"terms": 4}, "ogden has 1 to 3 terms"),
-        ("yeoh", {"nu": 0.3}, "only hyperfoam takes"),
+        ("yeoh", {"terms": 2}, "yeoh allows 1 to 1 terms, got 2"),
+        ("ogden", {"terms": 4}, "ogden allows 1 to 3 terms"),
+        ("yeoh", {"nu": 0.3}, "has no Poisson's ratio, got nu = 0.3"),
         ("hyperfoam", {"nu": 0.5}, "nu must be a number of at least"),
         ("hyperfoam", {}, "needs the column lateral_stretch"),
         ("yeoh", {"weighting": "squares"}, "weighting must be one of .'relative', 'absolute'"),

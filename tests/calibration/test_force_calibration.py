@@ -106,13 +106,13 @@ def test_parameters_at_their_bounds_are_named(seal, exact):
 @pytest.mark.parametrize(
     ("measured", "names", "said"),
     [
-        (np.ones(3), ("c10",), "must be 14 numbers"),
-        (np.zeros(14), ("c10",), "not all of them zero"),
-        (np.full(14, np.nan), ("c10",), "must be 14 numbers"),
-        (np.ones(14), ("c11",), "'c11' is no parameter; they are c10"),
-        (np.ones(14), ("c10", "c10"), "each of them once"),
-        (np.ones(14), (), "must be given"),
-        (np.ones(14), ("expansion",), "expansion is zero"),
+        (np.ones(3), ("c10",), "must be 14 finite numbers"),
+        (np.zeros(14), ("c10",), "not all zero"),
+        (np.full(14, np.nan), ("c10",), "must be 14 finite numbers"),
+        (np.ones(14), ("c11",), "unknown parameter 'c11'; the parameters are c10"),
+        (np.ones(14), ("c10", "c10"), "none twice; got c10, c10"),
+        (np.ones(14), (), "name at least one parameter to identify, and none twice; got none"),
+        (np.ones(14), ("expansion",), "expansion starts at zero"),
     ],
 )
 def test_what_cannot_be_calibrated(seal, measured, names, said):
@@ -174,18 +174,28 @@ def test_the_command_over_the_travel_of_closing_and_opening(tmp_path):
     ("head", "rows", "given", "said"),
     [
         ("time_s,force_N", [[1, 2]], (), "there is no column 'force_N_per_m'"),
-        ("time_s,force_N_per_m", [[1, 2], [60, 2]], (), "time = 60 s, but the path takes 20.5 s"),
-        ("travel_mm,force_N_per_m", [[1, 2]], (), "1 mm of travel, but lid goes 0.5 mm"),
+        (
+            "time_s,force_N_per_m",
+            [[1, 2], [60, 2]],
+            (),
+            "time = 60 s is beyond the end of the path at 20.5 s",
+        ),
+        ("travel_mm,force_N_per_m", [[1, 2]], (), "a travel of 1 mm, but lid moves only 0.5 mm"),
         ("time_s,force_N_per_m", [[1, 2], [1, 3]], (), "line 3, column time_s: 1 is not above 1"),
-        ("time_s,force_N_per_m", [[0, 2]], (), "line 2, column time_s: 0 is not above zero"),
-        ("time_s,force_N_per_m", [[1, np.inf]], (), "column force_N_per_m: it is not finite"),
+        ("time_s,force_N_per_m", [[0, 2]], (), "line 2, column time_s: 0 is not above 0"),
+        (
+            "time_s,force_N_per_m",
+            [[1, np.inf]],
+            (),
+            "column force_N_per_m: the value is not finite",
+        ),
         (
             "time_s,force_N_per_m",
             [[1, 2]],
             ("--profile", "wall"),
-            "'wall' is no profile that moves",
+            "'wall' is not a moving profile",
         ),
-        ("time_s,force_N_per_m", [[1, 2]], (), "1 readings do not determine 1 parameters"),
+        ("time_s,force_N_per_m", [[1, 2]], (), "1 readings are too few for 1 parameters"),
     ],
 )
 def test_wrong_use_is_one_line(head, rows, given, said, tmp_path, capsys):

@@ -12,14 +12,14 @@ BAD = {
     "empty": ("", "empty"),
     "only comments": ("# nothing\n\n", "empty"),
     "only a header": (HEAD, "no reading"),
-    "only rest": (HEAD + "uniaxial,1.0,0\n", "another stretch than 1"),
+    "only rest": (HEAD + "uniaxial,1.0,0\n", "every reading has the stretch 1"),
     "no header": ("uniaxial,1.2,230\n", "line 1: there is no column 'mode'"),
     "semicolons": ("mode;stretch;stress_kPa\nuniaxial;1.2;230\n", "line 1: there is no column 'mode'"),
     "unknown column": ("mode,stretch,stress_kPa,force\n", "unknown column 'force'"),
     "missing column": ("mode,stretch\nuniaxial,1.2\n", "no column 'stress_kPa'"),
     "column twice": ("mode,stretch,stretch,stress_kPa\n", "twice"),
     "too few values": (HEAD + "uniaxial,1.2\n", "line 2: 2 values for 3 columns"),
-    "decimal comma": (HEAD + "uniaxial,1,2,230\n", "decimals need a point"),
+    "decimal comma": (HEAD + "uniaxial,1,2,230\n", "write decimals with a point"),
     "word": (HEAD + "uniaxial,long,230\n", "line 2, column stretch: 'long' is not a number"),
     "nothing": (HEAD + "uniaxial,,230\n", "line 2, column stretch: '' is not a number"),
     "wrong order": (HEAD + "1.2,uniaxial,230\n", "column stretch: 'uniaxial' is not a number"),
@@ -96,5 +96,5 @@ def test_range_of_stretches():
 def test_arrays_are_checked_as_files_are():
     with pytest.raises(MaterialDataError, match="reading 2, column stretch: -1"):
         material_tests({"uniaxial": ([1.2, -1.0], [80.0, 200.0])})
-    with pytest.raises(MaterialDataError, match="one length"):
+    with pytest.raises(MaterialDataError, match=r"of equal length, got lengths \[.*\]"):
         material_tests({"uniaxial": ([1.2, 1.4], [80.0])})

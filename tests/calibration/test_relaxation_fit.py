@@ -196,14 +196,14 @@ def refused(curves, **options):
 
 def test_no_relaxation():
     rising = (TIME, 100.0 + np.log(TIME))
-    assert "the file: no relaxation is found: the force falls by less" in refused([rising])
+    assert "the file: no relaxation found: the force rises" in refused([rising])
     flat = (TIME, 100.0 + np.random.default_rng(0).normal(size=TIME.size))
-    assert "no relaxation is found" in refused([flat])
+    assert "no relaxation found" in refused([flat])
 
 
 def test_a_force_that_falls_to_nothing():
     text = refused([(TIME, np.exp(-TIME / 3e4) + 1e-9)])
-    assert "no long-term force is found: the sum of g would be 1" in text
+    assert "no long-term modulus found: the sum of g would be 1" in text
 
 
 def test_too_few_readings():
@@ -217,10 +217,10 @@ def test_flat_curves_have_no_shift():
     curves = [(time, relaxed(time, np.array([0.3]), np.array([60.0])), 20.0, "a")]
     curves.append((time, 0.5 + 1e-3 * np.random.default_rng(2).normal(size=20), 100.0, "b"))
     text = refused(curves)
-    assert "the shift from 20 to 100 °C is not determined" in text
+    assert "the shift from 20 to 100 °C cannot be determined" in text
     # nor from the flat one
     text = refused(curves, reference=100.0)
-    assert "the shift from 100 to 20 °C is not determined" in text
+    assert "the shift from 100 to 20 °C cannot be determined" in text
 
 
 @pytest.mark.parametrize(
@@ -229,9 +229,9 @@ def test_flat_curves_have_no_shift():
         ({"shift": "wlf"}, "the shift wlf needs at least 3 temperatures, data has 0"),
         ({"shift": "vft"}, "shift must be one of .'wlf', 'arrhenius'"),
         ({"reference": 23.0}, "reference must be one of the tested temperatures .none is given"),
-        ({"entropic": True}, "entropic moduli need tests at several temperatures"),
+        ({"entropic": True}, "entropic moduli .* need tests at several temperatures"),
         ({"terms": 0}, "terms must be an integer of at least 1"),
-        ({"terms": 2, "tau": [1.0]}, "only one of terms and tau"),
+        ({"terms": 2, "tau": [1.0]}, "terms .* and tau .* exclude each other"),
         ({"tau": []}, "tau must be 1 to 12 positive numbers"),
         ({"tau": [1.0, -1.0]}, "tau must be 1 to 12 positive numbers"),
         ({"tau": [1.0, 1.0]}, "must differ from each other"),

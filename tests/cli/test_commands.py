@@ -132,7 +132,7 @@ def test_ctrl_c_in_any_command_is_one_line_with_status_130(name, tmp_path, monke
     monkeypatch.setattr(import_module(f"seal_mdao.cli.{name}"), "main", interrupted)
     assert main([name, *ENOUGH.get(name, ("bulb.toml",)), "--out", "out"]) == 130
     assert capsys.readouterr().err == (
-        f"seal-mdao {name}: interrupted; summary.json in out is as written last\n"
+        f"seal-mdao {name}: interrupted; saved in out: summary.json\n"
     )
     assert Path("out", "summary.json").read_text(encoding="utf-8") == "{}"
 
@@ -160,12 +160,13 @@ def test_new_check_and_analyze(tmp_path, monkeypatch, capsys):
     assert 2.0 < output < 8.0
     assert (
         f"with 40 load steps takes about {duration(analysis + choice + output)}, of which "
-        f"{duration(choice)} for choosing load steps and penalties and {duration(output)} for its start"
+        f"{duration(choice)} for the choice of load steps and penalties and "
+        f"{duration(output)} for start-up"
     ) in capsys.readouterr().out
     assert (tmp_path / "look" / "section.png").stat().st_size > 20_000
     with pytest.raises(SystemExit):
         main(["new", "mine"])
-    assert "mine.toml exists" in capsys.readouterr().err
+    assert "mine.toml already exists" in capsys.readouterr().err
 
 
 def test_check_of_a_file_that_leaves_nothing_open(bulb, tmp_path, capsys):
@@ -189,7 +190,7 @@ def test_new_from_a_drawing(tmp_path, monkeypatch):
 
 
 DOOR_LAYERS = (
-    "left out of the drawing: 10 entities on layers 'centre' (2), 'dimensions' (4), 'hatch' (1), "
+    "ignored in the drawing: 10 entities on layers 'centre' (2), 'dimensions' (4), 'hatch' (1), "
     "'notes' (3)"
 )
 
@@ -266,7 +267,7 @@ def test_examples_are_copied_with_their_files(tmp_path, capsys):
 def test_examples_of_an_incomplete_installation(tmp_path, monkeypatch):
     monkeypatch.setattr(examples, "INSTALLED", tmp_path)
     monkeypatch.setattr(examples, "__file__", str(tmp_path / "a" / "b" / "c.py"))
-    with pytest.raises(WrongArgumentError, match="install seal_mdao again"):
+    with pytest.raises(WrongArgumentError, match="reinstall seal_mdao"):
         examples.examples_folder()
 
 
@@ -352,10 +353,10 @@ def test_a_sweep_of_the_travel_from_away_through_zero(bulb, tmp_path):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("0.1,0.2,0.1", "has the same value twice"), ("0.1,,0.2", "is neither FROM:TO:COUNT nor"),
-        ("0.1,nan", "has a number that is not finite"),
-        ("0.1:0.2:0", "has a count that is not in 1 to 200"),
-        (",".join(map(str, range(201))), "has a count that is not in 1 to 200"),
+        ("0.1,0.2,0.1", "contains a value twice"), ("0.1,,0.2", "is neither FROM:TO:COUNT nor"),
+        ("0.1,nan", "contains a number that is not finite"),
+        ("0.1:0.2:0", "has a COUNT outside of 1 to 200"),
+        (",".join(map(str, range(201))), "has a COUNT outside of 1 to 200"),
     ],
 )  # fmt: skip
 def test_wrong_values_of_a_sweep_are_named(given, message, capsys):
@@ -409,7 +410,7 @@ def test_a_sweep_of_the_travel_leaves_measures_beyond_it_empty(bulb, tmp_path, c
     result = sm.analyze(sm.build_seal(bulb))
     assert float(long["far"]) == pytest.approx(result.far, rel=1e-9)
     said = capsys.readouterr().out
-    assert "far asks for the force at 1.5 mm of travel" in said
+    assert "far needs the force at 1.5 mm of travel" in said
     assert said.count("shorter: door_travel = 0.6, 0.9") == 2
 
 
@@ -601,7 +602,7 @@ def test_ctrl_c_ends_with_130_and_leaves_what_was_done(bulb, tmp_path, monkeypat
     code = main(["sweep", str(bulb), "--vary", "friction", "0.1:0.3:3", "--out", str(out)])
     assert code == 130
     said = capsys.readouterr().err.splitlines()[-1]
-    assert said.endswith(f"interrupted; curves.csv and sweep.csv in {out} are as written last")
+    assert said.endswith(f"interrupted; saved in {out}: curves.csv and sweep.csv")
     assert len((out / "sweep.csv").read_text().splitlines()) == 2
 
 
@@ -631,11 +632,11 @@ def test_files_of_an_earlier_run_are_not_those_of_an_interrupted_one(tmp_path):
     for name in ("notes.txt", "cases.sql", "curves.csv"):
         (tmp_path / name).touch()
     before = arguments._files(tmp_path)
-    assert arguments._saved(tmp_path, before) == f"cases.sql in {tmp_path} is as written last"
+    assert arguments._saved(tmp_path, before) == f"saved in {tmp_path}: cases.sql"
     os.utime(tmp_path / "curves.csv", (0, 0))
     (tmp_path / "nominal.sql").touch()
     assert arguments._saved(tmp_path, before) == (
-        f"cases.sql, curves.csv and nominal.sql in {tmp_path} are as written last"
+        f"saved in {tmp_path}: cases.sql, curves.csv and nominal.sql"
     )
 
 
@@ -689,7 +690,7 @@ def test_what_an_optimisation_lacks_is_said_before_load_steps_are_chosen(
     with pytest.raises(SystemExit) as ended:
         main(["optimize", str(bulb), "--out", str(tmp_path)])
     assert ended.value.code == 2
-    assert "holds another run" in capsys.readouterr().err
+    assert "contains an earlier run" in capsys.readouterr().err
     bulb.write_text(text[: text.index("[optimize]")], encoding="utf-8")
     assert main(["optimize", str(bulb), "--out", str(tmp_path / "out")]) == 2
     assert "[optimize] is missing" in capsys.readouterr().err

@@ -32,7 +32,7 @@ def test_edges_between_corners_get_layers_of_their_own(tmp_path, monkeypatch, ca
     draw("bulb.dxf", inside=inside, centre_line=inside == "profile")
     assert main(["new", "mine", "--from", "bulb.dxf"]) == 0
     names = ("base", "edge_1", "edge_2", "edge_3", "edge_4", "edge_5", "hole_1")
-    assert f"on a layer of its own, {', '.join(names)}" in capsys.readouterr().out
+    assert f"on a separate layer: {', '.join(names)}" in capsys.readouterr().out
     file = sm.read_seal_file("mine.toml")
     outline = file.section.outline
     assert outline.edge_names == names
@@ -48,7 +48,7 @@ def test_edges_between_corners_get_layers_of_their_own(tmp_path, monkeypatch, ca
     (tmp_path / "mine.toml").unlink()
     with pytest.raises(SystemExit):
         main(["new", "mine", "--from", "bulb.dxf"])
-    assert "mine_edges.dxf exists" in capsys.readouterr().err
+    assert "mine_edges.dxf already exists" in capsys.readouterr().err
 
 
 def test_a_drawn_centre_line_is_left_out_and_named(tmp_path, monkeypatch):

@@ -52,11 +52,15 @@ def test_seal_with_placements_is_in_the_settings(lid):
 
 def test_unknown_parameter_is_reported_with_those_of_the_placement(lid, tmp_path):
     wrong = {"variations": (sm.Variation("lid_z"),), "numbers": [[0.0]], "parameters": ()}
-    with pytest.raises(ValueError, match=r"unknown parameter 'lid_z'; known are .*, lid_y"):
+    with pytest.raises(
+        ValueError, match=r"unknown parameter 'lid_z'; the parameters of the seal are .*, lid_y"
+    ):
         ran(lid, **wrong)
     moved = seal_of(tmp_path, FIXED, DESIGN, MOVED, MEASURES)
     for seal in (moved, moved.with_placements()):
-        with pytest.raises(ValueError, match=r"unknown parameter 'lid_z'; known are .*, top_y"):
+        with pytest.raises(
+            ValueError, match=r"unknown parameter 'lid_z'; the parameters of the seal are .*, top_y"
+        ):
             ran(seal, **wrong)
 
 

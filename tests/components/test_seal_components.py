@@ -329,7 +329,7 @@ def test_wrong_options_are_refused_before_any_analysis(system, problem, short):
 def test_a_measure_with_the_name_of_another_variable_is_refused(problem, short, name):
     (force,) = short.measures(("reaction",))
     measures = [replace(force, name=name)]
-    with pytest.raises(ValueError, match=f"'{name}' is the name of another variable; give the mea"):
+    with pytest.raises(ValueError, match=f"'{name}' has the name of another variable"):
         problem(sm.SealGroup(seal=short, measures=measures, parameters=("c10",)))
 
 
@@ -342,7 +342,7 @@ def test_no_measure_at_all_is_refused(problem, short, group):
             "workers": 0,
         }
     with pytest.raises(
-        ValueError, match="no measure with a value, so no output; name at least one"
+        ValueError, match="no measure has a value, so the component would have no output"
     ):
         problem(group(seal=short, measures=[], **more))
 

@@ -214,7 +214,7 @@ WRONG = {
         "no such edge in contact (did you mean 'lower'?)",
     ),
     "no contact": (("back = 0.1, lip = 0.2", ""), "no such edge in contact"),
-    "left out": (("back = 0.1", ""), "friction has no coefficient of the edge 'lower'"),
+    "left out": (("back = 0.1", ""), "friction has no coefficient for the edge 'lower'"),
     "negative": (("back = 0.1, lower = -0.2", ""), "or a table of these by edge"),
     "no such pair": (
         ("back = 0.1, lower = 0.2", PAIRS.replace('"upper"', '"back"')),
@@ -222,11 +222,11 @@ WRONG = {
     ),
     "twice": (
         ("back = 0.1, lower = 0.2", PAIRS + PAIRS),
-        "edges has a pair that [[self_contact.pair]] 1",
+        "is already in [[self_contact.pair]] 1",
     ),
     "no friction": (
         ("back = 0.1, lower = 0.2", ""),
-        "is optional with [[self_contact.pair]]",
+        "give it, or a [[self_contact.pair]]",
     ),
 }
 

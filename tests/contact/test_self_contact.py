@@ -255,7 +255,7 @@ def test_a_section_that_overlaps_itself_is_refused():
     ("changed", "words"),
     [
         ({"apart": 0.0}, "apart of 'hole'"), ({"loops": (np.arange(5),)}, "at least 7 particles"),
-        ({"touching": np.ones(3, bool)}, "an entry for every particle"),
+        ({"touching": np.ones(3, bool)}, "one entry for each of the"),
         ({"law": ContactLaw(0.0, 1.0, 0.0, True)}, "normal_penalty of 'hole'"),
         ({"law": ContactLaw(1.0, 1.0, -1.0, True)}, "friction of 'hole'"),
     ],

@@ -89,14 +89,14 @@ def test_other_clouds_are_touched_at_their_particles_unless_the_file_says_otherw
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ([(FIXED, FIXED + FLUID)], r"a \[\[fluid\]\] needs contact at the particles"),
+        ([(FIXED, FIXED + FLUID)], r"a \[\[fluid\]\] needs contact points at the particles"),
         (
             [(STEPS, STEPS + f"rotate = 1.0\n{WORK}")],
-            r"profile_work \(\[\[measure\]\] 1\) of a profile that",
+            r"profile_work \(\[\[measure\]\] 1\) of a rotating profile",
         ),
         (
             [(STEPS, STEPS + f"rotate = 1.0\n{WORK.replace('profile', 'friction')}")],
-            r"friction_work \(\[\[measure\]\] 1\) of a profile that",
+            r"friction_work \(\[\[measure\]\] 1\) of a rotating profile",
         ),
         (
             [(FIXED, ""), ("start = [0.0, 10.0]", "start = [0.0, 9.5]")],

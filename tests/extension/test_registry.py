@@ -143,7 +143,7 @@ def test_what_is_no_such_extension(install, tmp_path, kind, name, old, words):
     ("friction = 0.5, ", "", "[[profile]] 1 ('roll'): friction: the key 'friction' is missing"),
     ("reference = 60.0", "refrence = 60.0", "unknown key 'refrence' (did you mean 'reference'?)"),
     ("reference = 60.0", 'reference = "60"', "reference = '60', but it must be a number"),
-    ("reference = 60.0", "reference = -0.5", "friction law 'pressure_dependent' must give limits"),
+    ("reference = 60.0", "reference = -0.5", "'pressure_dependent' must return finite friction limits"),
     ("friction = 0.5, reference", "friction = -0.5, reference", "limits of at least 0 kPa"),
     ("links = 8.0", "links = -8.0", "[material.rubber]: links of ArrudaBoyce must be a number above 0"),
     ("a = 1.5, ", "", "shape: the key 'a' is missing; it must be a number"),
@@ -166,7 +166,7 @@ def test_register_refuses_what_seal_files_could_not_use():
         sm.register("friction_laws", "my law", lambda pressure: pressure)
     with pytest.raises(ValueError, match="must be a dataclass that derives from Measure, got int"):
         sm.register("measures", "mine", int)
-    with pytest.raises(ValueError, match="'pressure_dependent' is known already, from reg"):
+    with pytest.raises(ValueError, match="'pressure_dependent' is already registered, from reg"):
         sm.register("friction_laws", "pressure_dependent", lambda pressure: pressure)
     # a module that is imported once more
     module = importlib.reload(importlib.import_module("pressure_dependent"))
@@ -246,8 +246,8 @@ def test_wrong_fields_of_a_measure(odd, tmp_path, line, words):
 def test_a_field_that_every_table_has_is_refused(odd, tmp_path):
     found = message(tmp_path, HIGHEST, 'type = "taken"')
     assert found == (
-        "[[measure]] 1: Taken: no key can give 'check', which every such table has for itself; give "
-        "the field another name"
+        "[[measure]] 1: Taken: the name of the field 'check' is reserved, because every such table has "
+        "a key or attribute of this name; rename the field"
     )
     # what no table can give, and has a default, is left to it
     assert read(tmp_path, HIGHEST, 'type = "untold"').measures[0].measure(None).gaps is None

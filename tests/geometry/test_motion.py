@@ -103,11 +103,11 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"steps": []}, "positive whole numbers"),
-        ({"steps": [2, 0]}, "positive whole numbers"),
-        ({"steps": [2.0, 3.5]}, "positive whole numbers"),
+        ({"steps": []}, "positive integers, one per stage"),
+        ({"steps": [2, 0]}, "positive integers, one per stage"),
+        ({"steps": [2.0, 3.5]}, "positive integers, one per stage"),
         ({"positions": np.zeros((2, 2))}, r"positions .* must have shape \(3, 2\), got \(2, 2\)"),
-        ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion .* must be finite"),
+        ({"angles": [0.0, np.inf, 0.0]}, "angles of a motion .* must have finite"),
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
         (
             {"fractions": (0.5, 1.0, 0.5, 1.0)},
@@ -118,10 +118,10 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"clearance": (1.0,)}, r"clearance .* must have shape \(2,\)"),
         (
             {"clearance": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
-            "must lie behind its first waypoint",
+            "must point against its first displacement",
         ),
         ({"names": ("a",)}, r"rates .* 1 parameter\(s\) must have shape \(1, 3, 3\)"),
-        ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "repeat"),
+        ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "needs a different name"),
     ],
 )
 def test_what_does_not_fit_is_refused(changes, message):
@@ -132,7 +132,7 @@ def test_what_does_not_fit_is_refused(changes, message):
 
 def test_places_outside_the_motion_are_refused():
     for fraction in (-0.1, 5.1):
-        with pytest.raises(ValueError, match="a motion of 5 steps has no position"):
+        with pytest.raises(ValueError, match="outside of the motion, which has 5 steps"):
             Motion(**GOOD).pose(fraction)
     with pytest.raises(ValueError, match="at least one stage"):
         staged_motion([])

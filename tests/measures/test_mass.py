@@ -63,8 +63,8 @@ def test_every_rubber_has_its_density(tmp_path):
 
 def test_a_rubber_without_a_density_is_named_with_the_cure(tmp_path):
     words = (
-        r"\[\[measure\]\] 1 \('mass'\): the material 'stiff' has no density: write density = 1200 "
-        r"\(kg/m3\), or its own, into \[material.stiff\]"
+        r"\[\[measure\]\] 1 \('mass'\): the material 'stiff' has no density; add density = 1200 "
+        r"\(kg/m3\), or its own value, to \[material.stiff\]"
     )
     with pytest.raises(sm.SealFileError, match=words):
         built(tmp_path, "density = 1300.0\n")

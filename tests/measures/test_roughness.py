@@ -151,8 +151,8 @@ def test_heights_scale_with_the_roughness_and_the_wavelengths():
     ((0.0, 500.0, 1.0), "rms_roughness must be a number above 0, got 0.0"),
     ((6.0, 500.0, float("nan")), "shortest_wavelength must be a number above 0"),
     ((6.0, 500.0, 1.0, 1.0), "hurst_exponent must be a number above 0 and below 1, got 1.0"),
-    ((6.0, 500.0, 500.0), "but they are 500, 500, 500 um"),
-    ((6.0, 500.0, 1.0, 0.8, 400.0), "but they are 1, 500, 400 um"),
+    ((6.0, 500.0, 500.0), "got 500, 500, 500 um"),
+    ((6.0, 500.0, 1.0, 0.8, 400.0), "got 1, 500, 400 um"),
     ((6.0, 500.0, 1.0, 0.8, 1e10), "longest_wavelength <= 1e.09 shortest_wavelength"),
 ])  # fmt: skip
 def test_wrong_roughness(wrong, words):

@@ -124,7 +124,7 @@ def test_without_contact_there_is_no_centre():
     seal = SEALS["particles"]
     opened = sm.analyze(seal, np.full(seal.n_offsets, -0.3), {"depth": 0.1})
     assert np.isnan(value(opened, CENTRE))
-    assert "does not touch" in CENTRE.missing(opened)
+    assert "is not in contact with the seal" in CENTRE.missing(opened)
 
 
 # ---- derivatives ----

@@ -202,16 +202,16 @@ def test_what_has_no_wall_is_refused():
     ring = Ring(20)
     with pytest.raises(ValueError, match="deficit of 'wall_thickness'"):
         WallThickness(deficit=1.0)
-    with pytest.raises(ValueError, match="needs edges on both sides"):
+    with pytest.raises(ValueError, match="edges and opposite belong together"):
         WallThickness(edges=("outside",))
-    with pytest.raises(ValueError, match="outside and outside meet"):
+    with pytest.raises(ValueError, match="outside and outside share a point"):
         WallThickness(("outside",), ("outside",)).distances(ring.body, ring.particles)
     alone = Ring(20)
     alone.body = Body(
         ring.body.cells, np.full(40, 3.0), np.zeros((40, 2), bool),
         {"outside": ring.body.edges["outside"]}, nominal=ring.particles,
     )  # fmt: skip
-    with pytest.raises(ValueError, match="no body has a hole"):
+    with pytest.raises(ValueError, match="the section has no hole"):
         WallThickness().distances(alone.body, alone.particles)
 
 

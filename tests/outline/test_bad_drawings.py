@@ -158,19 +158,19 @@ CLAMPED = [0, 0, 0, 0, 1, 1, 1, 1]
 BAD = {
     "no file": (lambda folder: folder / "drawing.dxf", "there is no such drawing"),
     "a folder": (lambda folder: folder, "there is no such drawing"),
-    "empty": (text(""), "not a drawing that can be read"),
+    "empty": (text(""), "the drawing cannot be read"),
     "no drawing": (text("name,stress\n1,2\n"), "is not a DXF file"),
-    "cut off": (cut, "not a drawing that can be read"),
-    "garbled": (garbled, "not a drawing that can be read (OverflowError"),
+    "cut off": (cut, "the drawing cannot be read"),
+    "garbled": (garbled, "the drawing cannot be read (OverflowError"),
     "no units": (lambda folder: Drawing(folder, None).box().saved(), "the drawing has no units"),
     "units 0": (lambda folder: Drawing(folder, 0).box().saved(), "($INSUNITS in its header is"),
     "old": (old, "the drawing has no units"),
-    "miles": (lambda folder: Drawing(folder, 3).box().saved(), "($INSUNITS = 3) are not known here"),
+    "miles": (lambda folder: Drawing(folder, 3).box().saved(), "($INSUNITS = 3) are not supported"),
     "nothing": (lambda folder: Drawing(folder).saved(), "nothing is drawn in the model space"),
-    "all off": (empty_layer, "nothing is drawn in the model space on a layer that is on"),
+    "all off": (empty_layer, "nothing is drawn in the model space on visible layers"),
     "too many lines": (
         polyline_of(20_001),
-        "20001 segments (lines, arcs, splines), but at most 20000 are read; draw the section with",
+        "20001 segments (lines, arcs, splines) are more than the limit of 20000",
     ),
     "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' has the character"),
     "block": (block, "the contour is open: LINE of the block 'BULB' (INSERT #"),
@@ -180,15 +180,15 @@ BAD = {
     ),
     "ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5), "crosses the outer contour"),
     "half an ellipse": (add("add_ellipse", (0, 0), (3, 0), 0.5, 0.0, 3.0), "ELLIPSE #"),
-    "upright ellipse": (_upright_ellipse, "it does not lie in the plane of the drawing (normal"),
+    "upright ellipse": (_upright_ellipse, "the entity does not lie in the plane of the drawing (normal"),
     "old polyline": (add("add_polyline2d", [(1, 1), (2, 2)]), "POLYLINE #"),
-    "mesh": (add("add_polyface"), "it is a mesh, not a polyline"),
+    "mesh": (add("add_polyface"), "the entity is a mesh, not a polyline"),
     "block in itself": (block_in_itself, "contains itself"),
     "an open line on another layer": (
         add("add_line", (2, 2), (8, 2)),
         "(layers read as boundary: seal, extra; name layers of lines between rubbers in parting of",
     ),
-    "line of no length": (add("add_line", (3, 3), (3, 3)), "a line from (3, 3) to itself has no"),
+    "line of no length": (add("add_line", (3, 3), (3, 3)), "a line has zero length, because both"),
     "NaN": (add("add_line", (3, 3), (3, np.nan)), "is not finite"),
     "no radius": (add("add_circle", (5, 5), 0.0), "radius of a circle must be positive, got 0"),
     "negative radius": (add("add_arc", (5, 5), -2.0, 0, 90), "radius of an arc must be positive"),
@@ -201,20 +201,20 @@ BAD = {
         "vertices 4 and 1 coincide at (1, 1)",
     ),
     "one vertex": (add("add_lwpolyline", [(1, 1)]), "a polyline needs at least two vertices"),
-    "slanting": (add("add_line", (0, 0, 0), (3, 0, 1)), "its z changes"),
+    "slanting": (add("add_line", (0, 0, 0), (3, 0, 1)), "its z coordinate varies"),
     "upright circle": (
-        lambda folder: _upright(folder), "it does not lie in the plane of the drawing (normal"
+        lambda folder: _upright(folder), "the entity does not lie in the plane of the drawing (normal"
     ),
-    "knots decrease": (spline(ARCH, [0, 0, 0, 0, 1, 1, 0.5, 1]), "the knots of a spline decrease"),
+    "knots decrease": (spline(ARCH, [0, 0, 0, 0, 1, 1, 0.5, 1]), "knots of a spline must not decrease"),
     "broken": (
         spline([*ARCH, *ARCH], [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]),
-        "not a curve: The spline has internal repeated knots",
+        "the spline is not a continuous curve: The spline has internal repeated knots",
     ),
-    "knots of no length": (spline(ARCH, [1.0] * 8), "the knots of a spline leave it no length"),
+    "knots of no length": (spline(ARCH, [1.0] * 8), "the spline has zero length, because its knots"),
     "negative weight": (spline(ARCH, CLAMPED, weights=[1, -1, 1, 1]), "weights of a spline must be"),
     "fit points": (add("add_spline", [(1, 1), (2, 2), (2, 2)]), "fit points 2 and 3 coincide"),
     "no points": (add("add_spline"), "a spline needs control points or at least two fit points"),
-    "NaN in a spline": (spline([(0, 0), (1, np.nan), (3, 4), (4, 0)], CLAMPED), "is not a finite"),
+    "NaN in a spline": (spline([(0, 0), (1, np.nan), (3, 4), (4, 0)], CLAMPED), "is not finite"),
     "open": (
         lines(((0, 0), (4, 0)), ((4, 0), (4, 3))),
         "the contour is open: LINE #2F on layer 'seal' ends at (0, 0) and no segment begins there; "
@@ -232,7 +232,7 @@ BAD = {
     ),
     "drawn twice": (
         lines(((0, 0), (4, 0)), ((4, 0), (4, 3)), ((4, 3), (0, 0)), ((0, 0), (4, 0))),
-        "is a piece drawn twice?",
+        "is a segment drawn twice?",
     ),
     "speck": (
         lines(((0, 0), (4, 0)), ((4, 0), (4, 0.005)), ((4, 0.005), (0, 3)), ((0, 3), (0, 0))),
@@ -277,7 +277,7 @@ def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name, refusing_scr
 
 
 @pytest.mark.parametrize(("units", "words"), [
-    ("inch", "units = 'inch', but the drawing's header says mm"),
+    ("inch", "units = 'inch' contradicts the header of the drawing .*: mm"),
     ("miles", "units = 'miles', but it must be one of mm, cm, dm, m, inch, foot"),
 ])  # fmt: skip
 def test_units_that_contradict_are_refused(tmp_path, units, words):

@@ -70,14 +70,14 @@ def test_annotation_is_left_out_in_every_version(tmp_path, version):
     path = annotated(drawing).saved()
     if version == "R12":  # without units
         with pytest.raises(
-            GeometryError, match=r"say units \(--units of the command\) = one of mm"
+            GeometryError, match=r"give units in \[section\] \(--units of the command\), one of mm"
         ):
             read_drawing(path, parting=["split"])
     found = read_drawing(path, "mm", ["split"])
     check_bulb(found)
     assert found.left_out == {"middle": 1, "seal": 2, "sizes": 3}
     assert found.notice == (
-        "left out of the drawing: 6 entities on layers 'middle' (1), 'seal' (2), 'sizes' (3)"
+        "ignored in the drawing: 6 entities on layers 'middle' (1), 'seal' (2), 'sizes' (3)"
     )
     assert found.texts[0] == ("foot", (1.0, 1.0))
     assert boundary_layers(path) == ["base", "seal", "cavity", "split"]
@@ -220,7 +220,7 @@ def test_parting_lines_that_divide_nothing_are_refused(tmp_path, lines, words):
 def test_layers_that_the_drawing_does_not_have_are_refused(tmp_path, key):
     path = Drawing(tmp_path).box().saved()
     with pytest.raises(
-        GeometryError, match=f"{key} = 'sael', but there is no such layer; there are"
+        GeometryError, match=f"{key} = 'sael', but there is no such layer; the layers are"
     ):
         read_drawing(path, **{key: ["sael"]})
 

@@ -206,7 +206,7 @@ def test_of_a_very_wide_ring_a_part_is_shown(tmp_path):
 
 
 def test_plane_strain_has_no_view_in_space(nominal):
-    with pytest.raises(ValueError, match="only a ring"):
+    with pytest.raises(ValueError, match="needs a body of revolution"):
         plotting.ring_view(nominal)
 
 

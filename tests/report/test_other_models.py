@@ -216,7 +216,7 @@ def test_file_without_an_objective_is_refused_in_a_line(tmp_path):
         model.add_design_var("door_radius", lower=3.5, upper=4.5)
 
     path, _ = ran(build, tmp_path, driver=om.DOEDriver(om.ListGenerator([[("door_radius", 4.1)]])))
-    with pytest.raises(ValueError, match="holds no objective"):
+    with pytest.raises(ValueError, match="contains no objective"):
         write_report(path)
 
 

@@ -276,5 +276,5 @@ def test_file_that_is_no_record(tmp_path):
     problem.setup()
     problem.run_model()
     problem.cleanup()
-    with pytest.raises(ValueError, match="holds no case of a driver"):
+    with pytest.raises(ValueError, match="contains no driver iterations"):
         write_report(tmp_path / "empty.sql")

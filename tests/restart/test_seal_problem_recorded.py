@@ -96,6 +96,8 @@ def test_settings_of_another_version():
         text.replace('"newton":', '"newtons":'),
         json.dumps({"door_seal": 3}),
     ):
-        with pytest.raises(ValueError, match="not those of this version's door seal"):
+        with pytest.raises(
+            ValueError, match="the recorded settings do not fit the door seal of this version"
+        ):
             seal_of(wrong)
     assert seal_of(text).key == sm.door_seal().key

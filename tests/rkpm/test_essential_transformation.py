@@ -166,5 +166,5 @@ def test_dependent_constrained_particles_are_refused(rng):
     particles, radius = cloud.particles.copy(), cloud.radius.copy()
     particles[1], radius[1] = particles[0], radius[0]
     twice = cloud._replace(particles=particles, radius=radius)
-    with pytest.raises(GeometryError, match="not independent"):
+    with pytest.raises(GeometryError, match="linearly dependent"):
         essential_transformation(CONSTRAINED, build_table(twice, at(CONSTRAINED)).raw)

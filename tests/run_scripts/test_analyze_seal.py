@@ -266,7 +266,7 @@ def test_input_file_of_abaqus(tmp_path, run_script, capsys):
     code, _ = run_script("analyze", tmp_path / "out", path, "--abaqus", "--no-vtu")
     assert code == 0
     said = capsys.readouterr().out
-    assert "WARNING: not in seal.inp: [[cavity]] of hole 1: trapped air" in said
+    assert "WARNING: not exported to seal.inp: [[cavity]] of hole 1: trapped air" in said
     text = (tmp_path / "out" / "seal.inp").read_text()
     assert text.count("*STEP, NAME=STAGE_") == 2
     # as many increments as load steps

@@ -102,7 +102,7 @@ def test_ctrl_c_ends_a_long_analysis_at_once(tmp_path, hear_ctrl_c):
         said = process.stderr.read().splitlines()
         assert process.wait(60) == 130
     assert "10440 particles in 1000 load steps" in line
-    assert said[-1] == f"analyze_door_seal.py: interrupted; nothing is in {tmp_path}"
+    assert said[-1] == f"analyze_door_seal.py: interrupted; nothing was saved in {tmp_path}"
     assert not any("Traceback" in text for text in said)
 
 

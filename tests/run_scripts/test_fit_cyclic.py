@@ -81,7 +81,7 @@ def test_three_cycles(fit_text, assert_drawn, capsys):
     assert {**law.constants, **softening.constants} == pytest.approx(found, rel=1e-7)
     said = capsys.readouterr().out
     assert text in said  # ready to be copied
-    assert "cyclic test, with unloadings: 3 of uniaxial: softening is fitted" in said
+    assert "cyclic test (unloadings: 3 in uniaxial): softening is fitted, too" in said
     assert_drawn(out, "fit")
     with (out / "residuals.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -98,7 +98,7 @@ def test_one_amplitude(fit_text, capsys):
     assert summary["softening"]["beta"] == 0.0
     assert summary["softening"]["r"] == pytest.approx(1.8, rel=1e-6)
     text = (out / "material.toml").read_text()
-    assert "# one amplitude determines m + beta W_max alone: beta is taken as 0\n" in text
+    assert "# a single amplitude determines only m + beta W_max, so beta is set to 0\n" in text
     assert "beta = 0.0\n" in text
 
 
@@ -117,8 +117,11 @@ def test_other_modes_are_drawn_beside(fit_text, assert_drawn):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("--stretches", "1.1", "1.5"), "cycles.csv: this is a cyclic test, with unloadings: 3 of"),
-        (("--law", "hyperfoam", "--nu", "0.2"), "hyperfoam is compressible, and softening is for"),
+        (("--stretches", "1.1", "1.5"), "cycles.csv: this is a cyclic test (unloadings: 3 in"),
+        (
+            ("--law", "hyperfoam", "--nu", "0.2"),
+            "nearly incompressible laws only, not for hyperfoam",
+        ),
     ],
 )
 def test_wrong_arguments(fit_text, arguments, expected, capsys):
@@ -144,5 +147,5 @@ def test_a_seal_file_refuses_cycles_as_data(fit_text, tmp_path):
     path = tmp_path / "block.toml"
     (tmp_path / "cycles.csv").write_text(cycles(1.3, 1.8))
     path.write_text('[material.skin]\nlaw = "yeoh"\ndata = "cycles.csv"\n' + BLOCK)
-    with pytest.raises(ValueError, match="this is a cyclic test, with unloadings: 2 of uniaxial"):
+    with pytest.raises(ValueError, match=r"this is a cyclic test \(unloadings: 2 in uniaxial"):
         sm.build_seal(path)

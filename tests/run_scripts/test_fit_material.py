@@ -112,7 +112,7 @@ BAD = {
     "empty": ("", "the file is empty"),
     "wrong type": (HEAD + "uniaxial,1.2,much\n", "column stress_kPa: 'much' is not a number"),
     "too few": (HEAD + "uniaxial,1.2,30\n", "1 readings are too few for the 3 constants of yeoh"),
-    "unstable": (STRONG_SOFTENING, "yeoh with the constants that fit best is not stable: uniaxial"),
+    "unstable": (STRONG_SOFTENING, "yeoh with the best-fit constants is not stable: uniaxial"),
 }
 
 
@@ -136,12 +136,12 @@ def test_unstable_constants_where_they_are_wanted(fit_script):
     ("arguments", "expected"),
     [
         (("--law", "rubber"), "invalid choice: 'rubber'"),
-        ((), "--law is missing: the law to fit, one of "),
-        (("--law", "yeoh", "--tau", "1"), "--tau is for relaxation tests (column time_s); "),
-        (("--law", "yeoh", "--ramp", "1"), "--ramp is for relaxation tests (column time_s); "),
+        ((), "--law is missing; name the law to fit, one of "),
+        (("--law", "yeoh", "--tau", "1"), "--tau is for relaxation tests (column time_s), but "),
+        (("--law", "yeoh", "--ramp", "1"), "--ramp is for relaxation tests (column time_s), but "),
         (("--law", "yeoh", "--terms", "2"), "--terms is for ogden and hyperfoam"),
         (("--law", "hyperfoam"), "needs the column lateral_stretch"),
-        (("--law", "yeoh", "--name", "a b"), "the name 'a b'"),
+        (("--law", "yeoh", "--name", "a b"), "got 'a b'"),
         (("--law", "yeoh", "--stretches", "8", "9"), "no reading has a stretch between 8 and 9"),
     ],
 )

@@ -67,4 +67,4 @@ def test_robust_run_of_a_seal_file_goes_on_in_another_folder(robust, run_script,
 def test_options_of_the_door_seal_are_refused(robust, run_script, tmp_path, capsys):
     with pytest.raises(SystemExit):
         run_script("robust", tmp_path, *robust[3], "--depth", 3.0)
-    assert "--depth is for the door seal" in capsys.readouterr().err
+    assert "--depth is an option of the built-in door seal" in capsys.readouterr().err

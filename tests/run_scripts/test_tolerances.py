@@ -47,7 +47,7 @@ def test_a_second_start_continues_the_study(studied, run_script, capsys):
     code, again = run_script("study", out, "--samples", 8, *QUICK)
     assert code == 0
     assert again["measures"] == s["measures"]
-    assert "8 of 8 samples are in" in capsys.readouterr().out
+    assert "8 of 8 samples are already in" in capsys.readouterr().out
     with pytest.raises(SystemExit):
         run_script("study", out, "--samples", 9, *QUICK)
     assert "another number of samples; continue with the same" in capsys.readouterr().err
@@ -82,7 +82,7 @@ def test_options_of_the_door_seal_are_not_for_a_seal_file(run_script, tmp_path, 
     for option, value in (("accuracy", "engineering"), ("rays", 116)):
         with pytest.raises(SystemExit):
             run_script("study", tmp_path / "out", file, f"--{option}", value)
-        assert f"--{option} is for the door seal" in capsys.readouterr().err
+        assert f"--{option} is an option of the built-in door seal" in capsys.readouterr().err
 
 
 def test_study_of_a_seal_file_with_a_profile_that_is_displaced(run_script, tmp_path):
@@ -127,7 +127,7 @@ def test_failed_samples_are_reported_with_what_they_do(run_script, tmp_path, cap
     assert code == 1
     assert (s["failed"], s["share_failed"]) == (2, 0.25)
     printed = capsys.readouterr().out
-    assert "2 of 8 samples (25.00%) failed and are in none of these numbers" in printed
+    assert "2 of 8 samples (25.00%) failed and are excluded from these statistics" in printed
     with closing(sqlite3.connect(tmp_path / "out" / "samples.sqlite")) as samples:
         friction = np.array(samples.execute("SELECT friction FROM samples").fetchall())[:, 0]
     missed = friction[friction >= 0.0].mean() - friction.mean()
@@ -137,7 +137,7 @@ def test_failed_samples_are_reported_with_what_they_do(run_script, tmp_path, cap
         slope = found["first_order"]["std_from_gradient"] / (0.4 / np.sqrt(12.0))
         change = found["effect_of_failures"]["mean"]
         assert abs(change) == pytest.approx(slope * missed, rel=1e-6)
-        assert f"changes of {name} the mean by {change:+.3g}, std by" in printed
+        assert f"changes the mean of {name} by {change:+.3g}, its std by" in printed
 
 
 def test_ctrl_c_in_the_optimisation_begins_no_samples(run_script, tmp_path, monkeypatch, capsys):

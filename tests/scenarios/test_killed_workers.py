@@ -222,7 +222,10 @@ def test_all_workers_end_with_the_script(tmp_path, ending, hear_ctrl_c):
 def test_a_script_without_its_guard_is_told(tmp_path):
     done = run_script(tmp_path, SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     assert done.returncode != 0
-    assert 'must keep what it runs under  if __name__ == "__main__":' in done.stderr
+    assert (
+        'put the code of the script that starts them under  if __name__ == "__main__":'
+        in done.stderr
+    )
 
 
 def test_processes_are_given_little_ahead():

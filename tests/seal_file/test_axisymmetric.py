@@ -53,9 +53,13 @@ def test_the_ring_beside_the_axis_is_free_there(tmp_path):
             '"spherical"',
             "must be one of plane_strain, generalised_plane_strain, axi",
         ),
-        ("[3.0, 0.0]", "[-1.0, 0.0]", r"goes to x = -1, beyond the axis x = 0"),
+        ("[3.0, 0.0]", "[-1.0, 0.0]", r"reaches x = -1, beyond the axis of revolution x = 0"),
         ('"top"]', '"bore"]', "lies on the axis of revolution"),
-        ("steps = 4", "steps = 4\nrotate = 5.0", "rotates, which no body of revolution does"),
+        (
+            "steps = 4",
+            "steps = 4\nrotate = 5.0",
+            "rotates, which is not possible for a body of revolution",
+        ),
     ],
 )
 def test_what_a_ring_cannot_have_is_refused(tmp_path, old, new, words):
@@ -74,7 +78,7 @@ def test_a_compressible_law_needs_a_volumetric_energy(tmp_path, monkeypatch):
     (law,) = read(tmp_path, text).materials.values()
     assert law.bulk_modulus == 0.0
     monkeypatch.setattr(Hyperfoam, "volumetric", Isotropic.volumetric)
-    with pytest.raises(sm.SealFileError, match="Hyperfoam is known in plane strain only"):
+    with pytest.raises(sm.SealFileError, match="Hyperfoam supports plane strain only"):
         read(tmp_path, text)
     assert read(tmp_path, text.replace('"axisymmetric"', '"plane_strain"')).materials
 
@@ -83,14 +87,14 @@ def test_a_section_that_touches_the_axis_at_a_point_is_refused(tmp_path):
     text = ring().replace(
         "line = [[3.0, 2.0], [3.0, 0.0]]", "line = [[3.0, 2.0], [0.0, 1.0], [3.0, 0.0]]"
     )
-    with pytest.raises(sm.SealFileError, match="touches the axis at y = 1, where no edge lies"):
+    with pytest.raises(sm.SealFileError, match="touches the axis x = 0 in the single point y = 1"):
         read(tmp_path, text)
 
 
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        ('[[measure]]\ntype = "reaction"\nlength = 100.0\n', "length is for kinematics"),
+        ('[[measure]]\ntype = "reaction"\nlength = 100.0\n', "length needs kinematics"),
         ('[[design]]\nedges = ["bore"]\nparameters = 5\nbound = 0.1\n', "lies on the axis"),
     ],
 )
@@ -101,7 +105,7 @@ def test_tables_that_need_a_long_seal_are_refused(tmp_path, table, words):
 
 def test_volume_is_of_a_ring(tmp_path):
     text = ring().replace('[model]\nkinematics = "axisymmetric"\n', "")
-    with pytest.raises(sm.SealFileError, match="the volume is that of a ring"):
+    with pytest.raises(sm.SealFileError, match="the measure volume needs a body of revolution"):
         sm.build_seal(read(tmp_path, text + '[[measure]]\ntype = "volume"\n'))
 
 

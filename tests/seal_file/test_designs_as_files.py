@@ -217,7 +217,7 @@ def test_a_mesh_from_elsewhere_makes_a_seal(tmp_path):
 BAD = {
     "a particle beside the drawing": (
         lambda mesh: mesh.points.__setitem__((mesh.points[:, 1].argmax(), 1), 14.0 + 2e-6),
-        ("away from the edge 'seal'", "on which it should lie"),
+        ("away from the edge 'seal'", "on which it must lie"),
     ),
     "moved to the side along the edge": (
         lambda mesh: mesh.points.__setitem__(
@@ -227,11 +227,11 @@ BAD = {
     ),
     "no cells": (
         lambda mesh: mesh.cells.__setitem__(0, type(mesh.cells[0])("line", np.array([[0, 1]]))),
-        ("no quadrilaterals and no triangles",),
+        ("neither quadrilaterals nor triangles",),
     ),
     "tetrahedra": (
         lambda mesh: mesh.cells.append(type(mesh.cells[0])("tetra", np.array([[0, 1, 2, 3]]))),
-        ("cells of the kind 'tetra'",),
+        ("cells of the type 'tetra'",),
     ),
 }
 
@@ -275,7 +275,7 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
     text = text.replace(hole, "").replace("spacing = 1.6", 'cloud = "cloud.vtu"')
     (tmp_path / "seal.toml").write_text(text)
     with pytest.raises(
-        sm.SealFileError, match="closed boundaries: 2 in the cells, 1 in the section"
+        sm.SealFileError, match="the mesh has 2 closed boundaries, but the section has 1"
     ):
         sm.read_seal_file(tmp_path / "seal.toml")
 
@@ -284,11 +284,11 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
     ("old", "new", "word"),
     [
         ('"best.vtu"', '"none.vtu"', "none.vtu: there is no such file"),
-        ('"best.vtu"', '"best.dxf"', "not a mesh that can be read"),
+        ('"best.vtu"', '"best.dxf"', "the mesh cannot be read"),
         ('cloud = "best.vtu"', 'cloud = "best.vtu"\nspacing = 1.0', "it has spacing and cloud"),
-        ('cloud = "best.vtu"', "spacing = 1.6", "places are numbers of particles"),
-        ("places = [", "places = [700, ", "places has 700, but there are only"),
-        ("places = [", "places = [-1, ", "a list of numbers of particles, from 0 on"),
+        ('cloud = "best.vtu"', "spacing = 1.6", "places are indices of particles"),
+        ("places = [", "places = [700, ", "places contains the index 700, but there are only"),
+        ("places = [", "places = [-1, ", "a list of indices of particles, from 0"),
     ],
 )
 def test_wrong_files_take_one_line(old, new, word, bulb):

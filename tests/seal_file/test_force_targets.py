@@ -112,12 +112,12 @@ def test_a_curve_in_a_file_is_the_one_in_the_table(tmp_path):
     [
         (
             "value = [2.0, 5.0, 9.0]\n", "",
-            r"\[\[measure\]\] 2: the target needs travel and value, or data",
+            r"\[\[measure\]\] 2: the target curve is missing",
         ),
         ("[2.0, 5.0, 9.0]", "[2.0, 5.0]", "value has 2 numbers, but travel has 3"),
-        ("[2.0, 5.0, 9.0]", "[2.0, 0.0, 9.0]", "value has a target of 0"),
+        ("[2.0, 5.0, 9.0]", "[2.0, 0.0, 9.0]", "value contains a target of 0"),
         ("[1.0, 0.5, 2.0]", "[1.0, 0.5]", "weight has 2 numbers, but travel has 3"),
-        ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "nothing but zeros"),
+        ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "all numbers of weight are zero"),
         ("[1.0, 0.5, 2.0]", "[1.0, -0.5, 2.0]", "weight = .*numbers of at least 0"),
         ("0.8, 1.1]", "0.8, 3.1]", "travel = 3.1, but the path of the profile 'door' is only 1.6"),
         ("weight =", 'data = "cld.csv"\nweight =', "data and travel with value are given together"),
@@ -139,11 +139,11 @@ def test_what_is_wrong_is_told_before_any_analysis(tmp_path, old, new, message):
     ("content", "message"),
     [
         (None, "cld.csv: cannot be read: No such file"),
-        ("travel,force\n1,2\n", "the first line must be the columns travel_mm,force"),
+        ("travel,force\n1,2\n", "the first line must name the columns travel_mm,force"),
         ("travel_mm,force\n", "0 readings"),
-        ("travel_mm,force\n1;2\n", "line 2: must be two numbers"),
-        ("travel_mm,force\n1,nan\n", "line 2: must be two numbers"),
-        ("travel_mm,force\n1,1_0\n", "line 2: must be two numbers"),
+        ("travel_mm,force\n1;2\n", "line 2: the line must have two numbers"),
+        ("travel_mm,force\n1,nan\n", "line 2: the line must have two numbers"),
+        ("travel_mm,force\n1,1_0\n", "line 2: the line must have two numbers"),
     ],
 )
 def test_wrong_files_of_targets_are_refused(tmp_path, content, message):

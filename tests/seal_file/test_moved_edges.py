@@ -209,9 +209,15 @@ def test_a_design_is_written_with_its_moved_edges(tmp_path):
 ALSO_ON_TOP = GLUED.replace("= 8", "= 4")
 WRONG = {
     "unknown edge": (MOVED.replace('"top"', '"topp"'), "no such edge (did you mean 'top'?)"),
-    "fixed and moved": (MOVED.replace('"top"', '"base"'), "has 'base', which [fixed] has already"),
-    "fixed and glued": (GLUED.replace('["top"]', '["base"]'), "which [fixed] has already"),
-    "moved and glued": (MOVED + ALSO_ON_TOP, "glued has 'top', which [[moved]] 1 ('top') has"),
+    "fixed and moved": (
+        MOVED.replace('"top"', '"base"'),
+        "has 'base', which [fixed] already constrains",
+    ),
+    "fixed and glued": (GLUED.replace('["top"]', '["base"]'), "which [fixed] already constrains"),
+    "moved and glued": (
+        MOVED + ALSO_ON_TOP,
+        "glued has 'top', which [[moved]] 1 ('top') already constrains",
+    ),
     "glued and in contact": (
         GLUED.replace('["right"]', '["top"]'),
         "contact = 'top', but [[profile]] 1",
@@ -228,14 +234,14 @@ WRONG = {
         MOVED.replace("pivot", 'directions = ["y"]\npivot').replace("0.3, -0.4", "0, 0"),
         "rotates, which needs both directions",
     ),
-    "nothing moves": ('[[moved]]\nedges = ["top"]\n', "at least one has to move"),
+    "nothing moves": ('[[moved]]\nedges = ["top"]\n', "nothing moves: no"),
     "designed": (
         MOVED + DESIGN.replace('"left"', '"top"'),
-        "has 'top', which [[moved]] 1 ('top') holds",
+        "has 'top', which [[moved]] 1 ('top') already constrains",
     ),
     "reaction of a free edge": (
         MOVED + '[[measure]]\ntype = "reaction"\nedges = ["left"]\n',
-        "edges has 'left', which is neither fixed nor moved; there are base, top",
+        "edges has 'left', which is neither fixed nor moved; the fixed and moved edges are base, top",
     ),
     "edges and profile": (
         MOVED + '[[measure]]\ntype = "reaction"\nedges = ["top"]\nprofile = "top"\n',
@@ -243,11 +249,11 @@ WRONG = {
     ),
     "contact of moved edges": (
         MOVED + '[[measure]]\ntype = "contact_width"\n',
-        "needs a [[profile]], and there is none",
+        "needs a [[profile]], but the file has none",
     ),
     "work": (
         MOVED + '[[measure]]\ntype = "friction_work"\n',
-        "does not know the work of [[moved]]",
+        "is not available with [[moved]]",
     ),
     "steps": (MOVED + GLUED.replace('glued = ["top"]', ""), "they must be equal"),
 }

@@ -175,16 +175,16 @@ def test_a_design_keeps_a_line_across_a_hole(across, tmp_path):
 
 
 @pytest.mark.parametrize(("changes", "words"), [
-    ([('[[section.region]]\nmaterial = "stiff"\n', "")], "parting without [[section.region]]"),
+    ([('[[section.region]]\nmaterial = "stiff"\n', "")], "no effect without [[section.region]]"),
     ([('parting = ["split"]\n', "")], "layers read as boundary"),
     ([('parting = ["split"]', 'ignore = ["split"]')],
-     "[[section.region]] 1: line is missing, but the section is one body; draw the line"),
+     "[[section.region]] 1: the key 'line' is missing; give the line"),
     ([('parting = ["split"]', 'parting = ["splt"]')], "parting = 'splt', but there is no such layer"),
     ([('material = "stiff"\n', 'material = "hard"\n'), ("material.stiff", "material.hard")],
-     "[[section.region]] 1: at is missing, and the drawing has no text 'hard'; give a point"),
+     "[[section.region]] 1: the key 'at' is missing, and the drawing has no text 'hard'; give a point"),
     ([('parting = ["split"]', "parting = []")], "it must be a list of layers, such as"),
     ([('dxf = "block.dxf"', 'outer = [{ edge = "base", circle = { centre = [0, 0], radius = 4 } }]')],
-     "parting belongs to dxf"),
+     "parting names layers of a drawing"),
 ])  # fmt: skip
 def test_what_does_not_fit_the_drawing_is_refused(block, changes, words):
     with pytest.raises(sm.SealFileError) as caught:

@@ -96,7 +96,7 @@ def test_a_sponge_by_its_grade(tmp_path):
 @pytest.mark.parametrize(("material", "words"), [
     ("shore_a = 12", "shore_a = 12, but it must be a number of at least 20 and at most 95 (Shore A)"),
     ('sponge = "2A9"', "sponge = '2A9', but it must be one of 2A1, 2A2, 2A3, 2A4, 2A5"),
-    ('shore_a = 60\nlaw = "yeoh"', "unknown key 'law'; known are shore_a, density"),
+    ('shore_a = 60\nlaw = "yeoh"', "unknown key 'law'; the keys are shore_a, density"),
     ("shore_a = 60\nbulk_modulus = 1.0", "bulk_modulus = 1 of ShoreRubber gives a Poisson's ratio"),
 ])  # fmt: skip
 def test_wrong_materials_are_refused_in_one_line(tmp_path, material, words):

@@ -237,15 +237,15 @@ REFUSED = [
     (BLOCK, "m = 2.0, beta = 0.1", "m = 0.0", "both zero"),
     (BLOCK, "m = 2.0, beta = 0.1", "beta = 0.1",  "the key 'm' is missing"),
     (BLOCK, "m = 2.0", "m = 2.0, eta = 0.1", "eta"),
-    (BLOCK, '"profile_work"\n[', '"strain_energy"\n[', "strain_energy is not known of materials that"),
-    (BLOCK, '"profile_work"\n[', '"friction_work"\n[', "profile_work over a closed cycle has both"),
+    (BLOCK, '"profile_work"\n[', '"strain_energy"\n[', "strain_energy is not available with softening"),
+    (BLOCK, '"profile_work"\n[', '"friction_work"\n[', "profile_work over a closed cycle includes both"),
     (BLOCK, "beta = 0.1 }", "beta = 0.1 }\nviscoelastic = { g = [0.3], tau = [1.0] }",
      "softening together with relaxation"),
     (BLOCK, "stage = [1, 3]", "stage = [1, 5]", r"stage = \[1, 5\], but the path has 4 stages"),
     (BLOCK, "stage = [1, 3]", "stage = [3, 1]", "the second after the first"),
     (foam(BLOCK), "beta", "beta", "this law is compressible"),
     (with_model(BLOCK, 'kinematics = "generalised_plane_strain"\naxial_stretch = 1.02'), "beta", "beta",
-     "without an axial_stretch"),
+     "softening cannot be combined with axial_stretch"),
 ]  # fmt: skip
 
 

@@ -35,7 +35,7 @@ def test_the_table_holds_what_a_file_of_tolerances_holds(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("[tolerance]\n", "[tolerance]: nothing varies; write [vary.name]"),
+        ("[tolerance]\n", "[tolerance]: no tolerance is given; add [vary.NAME]"),
         ("[tolerance]\nvary = 3\n", "[tolerance]: vary = 3, but it must be tables"),
         (VARY.replace("std = 0.3333", ""), "[tolerance.vary.door_y]: the key 'std' is missing"),
         (VARY.replace("0.3333", "-1.0"), "[tolerance.vary.door_y]: std must be"),
@@ -57,12 +57,12 @@ def test_one_line_names_table_and_key(tmp_path, text, line):
         (VARY.replace("door_y", "dor_y"), "no such parameter of the seal (did you mean 'door_y'?)"),
         (
             VARY.replace("mean = 0.0", 'mean = 0.0\nkind = "factor"'),
-            "door_y is zero and a factor leaves it so",
+            "has no effect on door_y, which is zero",
         ),
         (
             VARY.replace("door_y", "c10"),
-            "numbers from -0.9999 to 0.9999 would take the place of c10 = 80, which is not among them; "
-            'say what they are: kind = "shift"',
+            "numbers from -0.9999 to 0.9999 would replace c10 = 80, which is outside of this range; "
+            'give kind = "shift"',
         ),
     ],
 )
@@ -98,7 +98,7 @@ def test_errors_of_a_boundary_need_edges_that_may_move(tmp_path):
     begin = text.index("[[design]]")
     end = text.index("\n[", begin) + 1
     path.write_text(text[:begin] + text[end:])
-    with pytest.raises(sm.SealFileError, match=r"boundary .* add a \[\[design\]\]"):
+    with pytest.raises(sm.SealFileError, match=r"boundary .* but there is no \[\[design\]\]"):
         sm.read_seal_file(path)
 
 

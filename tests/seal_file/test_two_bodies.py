@@ -107,7 +107,7 @@ def test_materials_and_holes_of_bodies(built):
         (
             f"start = [0.0, {4.0 + GAP}]",
             "start = [0.0, 5.0]",
-            r"have to hold body 2 \(edge 'under'\)",
+            r"must support body 2 \(edge 'under'\)",
         ),
         ("body = 2", "body = 0", "body = 0, but it must be"),
         (f"{2.0 + GAP}", "1.5", "body 2"),
@@ -123,7 +123,7 @@ def test_what_cannot_be_meant_is_refused(built, old, new, words):
 
 def test_a_region_of_one_body_needs_its_line(built):
     text = BLOCK.replace("line = [[0.0, 2.0], [6.0, 2.0]]\n", "")
-    with pytest.raises(sm.SealFileError, match="line is missing, but the section is one body"):
+    with pytest.raises(sm.SealFileError, match="the key 'line' is missing"):
         built(0.7, text)
 
 

@@ -94,7 +94,7 @@ def test_a_part_of_an_edge_begins_and_ends_smoothly():
     # near an end the offset grows with the square of the distance
     near = on & (angle < 0.53)
     assert size[:, near].max() < 0.01
-    with pytest.raises(ValueError, match=r"give the points of between in that order"):
+    with pytest.raises(ValueError, match=r"give the points of between in this order"):
         boundary_velocity(boundaries, [OffsetDesign(("crown",), 3, between[::-1])], FIXED)
 
 
@@ -166,12 +166,12 @@ def test_symmetric_designs_have_symmetric_velocities(designs, count):
         (OffsetDesign(("right",), 5, mirror=MirrorPlane(0, 0.1)), "mirror image of 'right'"),
         (OffsetDesign(("base",), 5), "the edge 'base' is fixed"),
         (OffsetDesign(("crown",), 5, opposite="base"), "the edge 'base' is fixed"),
-        (OffsetDesign(("crown",), 5, ((9.0, 9.0), (0.0, 10.0))), "mm away from the edge 'crown'"),
+        (OffsetDesign(("crown",), 5, ((9.0, 9.0), (0.0, 10.0))), "must lie on the edge 'crown'"),
         (VertexDesign((1.0, 9.0)), r"no vertex is at \(1, 9\); the nearest one is at \(5, 5\)"),
         (VertexDesign((3.2, 5.0)), r"no vertex is at \(3.2, 5\)"),
         (VertexDesign((5.0, 0.0)), "it would move the edge 'base', which is fixed"),
-        (RadiusDesign((5.0, 2.0)), r"the segment at \(5, 2\) is no arc"),
-        (RadiusDesign((0.0, 3.5)), "mm away from the boundary"),
+        (RadiusDesign((5.0, 2.0)), r"the segment at \(5, 2\) is not an arc"),
+        (RadiusDesign((0.0, 3.5)), "must lie on the boundary"),
     ],
 )  # fmt: skip
 def test_designs_that_cannot_be_are_refused(design, message):

@@ -38,9 +38,9 @@ def test_gaps_beside_the_measured_points_are_reported(nominal):
         GapSquareIntegral("door"), OpenGapSquareSum("door"), StressNorm(),
     )  # fmt: skip
     first, second = unmeasured_gaps(nominal, measures)
-    assert "outside of the points at which gap_square_sum is measured" in first
-    assert "gap is measured" in second
-    assert f"{nominal.contact.gap[list(others)].max():.3g} mm at most" in first
+    assert "outside of the points at which gap_square_sum is evaluated" in first
+    assert "gap is evaluated" in second
+    assert f"{nominal.contact.gap[list(others)].max():.3g} mm:" in first
 
 
 def test_the_seals_own_measures_by_name(nominal):

@@ -193,5 +193,7 @@ def test_fixed_particles_are_those_on_the_flat_base(columns):
 
 @pytest.mark.parametrize("angle", [0.2, 0.6, 0.05])
 def test_base_that_ends_between_two_rays_is_refused(angle):
-    with pytest.raises(ValueError, match=r"base_angle = .* whole number of the 58 rays' spacing"):
+    with pytest.raises(
+        ValueError, match=r"base_angle = .* multiple of the angle 2 pi / 58 between"
+    ):
         sm.door_seal(section=Section(base_angle=angle))

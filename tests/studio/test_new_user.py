@@ -64,7 +64,9 @@ def test_drawing_that_is_no_section_is_refused(browser, empty):
     page.run(DROP, "strip.dxf", "nothing")
     page.wait("return document.getElementById('message').textContent.startsWith('strip.dxf')")
     page.run(DROP, "strip.toml", "nothing")
-    page.wait("return document.getElementById('message').textContent.includes('ends with .dxf')")
+    page.wait(
+        "return document.getElementById('message').textContent.includes('with the ending .dxf')"
+    )
     assert list(empty.folder.iterdir()) == []
     browser.get_log("browser")
 

@@ -40,5 +40,5 @@ def test_new_names_are_of_no_file(tmp_path):
 
 
 def test_a_folder_that_is_missing_is_refused(tmp_path):
-    with pytest.raises(ProjectError, match="is no folder"):
+    with pytest.raises(ProjectError, match="is not a folder"):
         Project(tmp_path / "missing")

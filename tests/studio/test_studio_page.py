@@ -175,7 +175,7 @@ def test_a_change_is_not_lost_to_an_older_answer(page):
 def test_killed_worker_is_replaced(page):
     (worker,) = workers(page)
     os.kill(worker.pid, signal.SIGKILL)
-    page.wait("return document.getElementById('message').textContent.includes('is replaced')")
+    page.wait("return document.getElementById('message').textContent.includes('is restarted')")
     page.number(0, 0.1)
     page.ready()
     assert page.run(STATE) == "state exact"

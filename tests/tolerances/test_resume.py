@@ -149,7 +149,7 @@ def test_a_file_of_another_study_is_refused(whole, study):
 def test_a_file_that_is_no_study_is_refused(study, tmp_path):
     path = tmp_path / "text.sqlite"
     path.write_text("this is not a database, whatever its name says, and long enough to tell")
-    with pytest.raises(StudyFileError, match="is no file of a tolerance study"):
+    with pytest.raises(StudyFileError, match="is not a file of a tolerance study"):
         study.run(path, COUNT)
 
 

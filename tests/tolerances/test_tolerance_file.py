@@ -26,11 +26,11 @@ def test_those_of_the_door_fit_the_door_seal():
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("", "nothing varies"),
+        ("", "no tolerance is given"),
         ("vary = 3", r"vary = 3, but it must be tables, each written \[vary.name\]"),
         ("[vary]\na = 3", r"\[vary.a\] must be one table, got 3"),
         ("[bounds]\nx = 1", "bounds"),
-        ("[vary.a", "this is not TOML"),
+        ("[vary.a", "not valid TOML"),
         (FRICTION.replace('"uniform"', '"even"'), r"\[vary.friction\].*distribution"),
         (FRICTION.replace("low = 0.1", ""), r"\[vary.friction\].*low"),
         (FRICTION.replace("0.3", "0.1"), r"\[vary.friction\].*high"),
@@ -41,7 +41,7 @@ def test_those_of_the_door_fit_the_door_seal():
         (FRICTION.replace("0.3", "9" * 400), r"high = 9999.* must be a number"),
         (FRICTION.replace("0.3", "9" * 5000), "digits"),
         (FRICTION.replace("0.3", "0x" + "f" * 5000), "high = an integer of 20000 bits"),
-        ("a = " + "[" * 10**5, "this is not TOML"),
+        ("a = " + "[" * 10**5, "not valid TOML"),
         (FRICTION + "[boundary]\nstd = -1.0\nlength = 2.0", r"\[boundary\].*std"),
     ],
 )

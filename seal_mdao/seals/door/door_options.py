@@ -40,8 +40,8 @@ def _support(name: str, value):
         return values.real(name, value, above=0.0, high=MOST_SUPPORT)
     values.require(
         pair.shape == (2,) and bool(np.all((pair > 1.0) & (pair <= MOST_SUPPORT))),
-        f"{name} must be a positive number, or two above 1 and at most {MOST_SUPPORT} (around and "
-        f"across the wall), got {values.formatted(value)}",
+        f"{name} must be a positive number, or two numbers above 1 and at most {MOST_SUPPORT} "
+        f"(around the ring, across the wall), got {values.formatted(value)}",
     )
     return tuple(pair.tolist())
 
@@ -51,7 +51,8 @@ def _gauss(name: str, value):
         return values.integer(name, value, *GAUSS_POINTS)
     values.require(
         len(value) == 2,
-        f"{name} must be an integer, or two (around and across the wall), got {values.formatted(value)}",
+        f"{name} must be an integer, or two integers (around the ring, across the wall), got "
+        f"{values.formatted(value)}",
     )
     return tuple(values.integer(name, points, *GAUSS_POINTS) for points in value)
 
@@ -217,8 +218,8 @@ class DoorOptions:
         below = int(self.section.base_angle / spacing)
         values.require(
             columns > 0 and abs(self.section.base_angle - columns * spacing) <= 1e-9,
-            f"base_angle = {self.section.base_angle:.6g} of the section must be a whole number of the "
-            f"{self.rays} rays' spacing 2 pi / {self.rays}, for example "
+            f"base_angle = {self.section.base_angle:.6g} of the section must be a multiple of the "
+            f"angle 2 pi / {self.rays} between two of the {self.rays} rays, for example "
             f"{max(below, 1) * spacing:.6g} or {(max(below, 1) + 1) * spacing:.6g}",
         )
         return columns
@@ -274,7 +275,7 @@ def door_options(**given) -> DoorOptions:
     # unknown options before wrong values
     unknown = sorted(set(given) - set(known))
     if unknown:
-        raise TypeError(f"unknown option {unknown[0]!r}; known options are {', '.join(known)}")
+        raise TypeError(f"unknown option {unknown[0]!r}; the options are {', '.join(known)}")
     options = DoorOptions(**given)
     for name, kind in PARTS.items():
         values.instance(name, getattr(options, name), kind)
@@ -313,7 +314,8 @@ def _check_together(options: DoorOptions) -> None:
     """Check the conditions on several options together."""
     values.require(
         options.rays % BASE_RAYS == 0,
-        f"rays = {options.rays} must be a multiple of {BASE_RAYS}, else the base changes its width",
+        f"rays = {options.rays} must be a multiple of {BASE_RAYS}, because the base would "
+        "otherwise change its width",
     )
     # both raise where the section and the rays do not fit; control values beyond the particles of a
     # boundary would have no effect of their own

@@ -155,7 +155,7 @@ def described_door_seal(description: dict) -> Seal:
         return _built(_read(description[DOOR_SEAL]))
     except (TypeError, KeyError, RecursionError) as error:
         raise ValueError(
-            f"the settings are not those of this version's door seal: {error}"
+            f"the recorded settings do not fit the door seal of this version: {error}"
         ) from error
 
 

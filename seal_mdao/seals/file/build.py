@@ -90,7 +90,10 @@ def built(
             names = ()
         if step_ends is not None:
             if tolerance is None:
-                raise SealFileError("step_ends are given, but the file gives the load steps")
+                raise SealFileError(
+                    "step_ends cannot be given, because the stages of the seal file have steps; "
+                    "leave out either"
+                )
             seal, tolerance = seal.with_ends(step_ends), None
         if tolerance is None and not names:
             return seal
@@ -127,7 +130,8 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
     if set(penalties) != set(file.open_penalties):
         wanted = ", ".join(file.open_penalties) or "none"
         raise SealFileError(
-            f"penalties are given of {', '.join(penalties) or 'none'}, but the file leaves open {wanted}"
+            f"penalties are given for {', '.join(penalties) or 'no contact'}, but the seal file "
+            f"leaves those of {wanted} to be chosen; give exactly these"
         )
     # set as parameters, which checks them, then taken over into the definitions
     seal = seal.with_parameters(dict(penalties))
@@ -223,6 +227,6 @@ def _check_places(file: SealFile, seal: OutlineSeal) -> None:
         most = max(np.max(part) for part in places)
         if most >= count:
             raise SealFileError(
-                f"{file.path}: [[measure]] {number}: places has {most}, but there are only {count} "
-                + what
+                f"{file.path}: [[measure]] {number}: places contains the index {most}, but there "
+                f"are only {count} " + what
             )

@@ -55,8 +55,8 @@ def nearest_free_edges(where: str, profile, file) -> tuple[str, ...]:
     ]
     if not runs:
         raise SealFileError(
-            f"{where}: contact is missing, and no edge is free of [fixed], [[symmetry]], [[moved]] and "
-            "glued; leave an edge free that the profile may touch"
+            f"{where}: there is no edge that the profile may touch, because all are in [fixed], "
+            "[[symmetry]], [[moved]] or glued; leave one edge free, or name it in contact"
         )
     gap, sagitta = gap_at_start(profile), LOOK * file.section.outline.size
 

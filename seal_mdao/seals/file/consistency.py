@@ -101,8 +101,8 @@ def _check_boundary_tolerance(file) -> None:
     """Refuse errors of a boundary of which no edge may move: they are offsets of designs."""
     if file.tolerance is not None and file.tolerance.boundary is not None and not file.designs:
         raise SealFileError(
-            "[tolerance]: boundary has errors of the edges that may move, but there are none; add a "
-            "[[design]] with these edges"
+            "[tolerance]: boundary describes errors of edges that a design may move, but there is "
+            "no [[design]]; add one with these edges"
         )
 
 
@@ -117,7 +117,8 @@ def _check_designs(file) -> None:
         for what in ("between", "arc"):
             if getattr(design, what) is not None and isinstance(file.section.spacing, Rays):
                 raise SealFileError(
-                    f"{where}: {what} cannot be combined with rays; fill [section] with a spacing"
+                    f"{where}: {what} cannot be combined with rays; use spacing in [section] "
+                    "instead of rays"
                 )
         for what, names in (("edges", design.edges or ()), ("opposite", design.moving[-1:])):
             if names and getattr(design, what) is not None:
@@ -125,7 +126,8 @@ def _check_designs(file) -> None:
         for name in design.moving:
             if name in file.supports:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which {holder(file, name)} holds"
+                    f"{where}: edges has {name!r}, which {holder(file, name)} already constrains; "
+                    "remove it from one of them"
                 )
             if name in seen:
                 raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
@@ -144,9 +146,11 @@ def _check_cavities(file) -> None:
         where = f"[[cavity]] {number}: hole = {cavity.hole}"
         if cavity.hole > holes:
             has = f"{holes} hole{'s' if holes > 1 else ''}" if holes else "no hole"
-            raise SealFileError(f"{where}, but the section has {has}")
+            raise SealFileError(f"{where}, but the section has {has}; holes are numbered from 1")
         if cavity.hole in seen:
-            raise SealFileError(f"{where}, which {seen[cavity.hole]} has already")
+            raise SealFileError(
+                f"{where}, which {seen[cavity.hole]} already has; remove one of them"
+            )
         seen[cavity.hole] = f"[[cavity]] {number}"
         if cavity.vented:
             _check_closing(f"[[cavity]] {number}", cavity, file)
@@ -159,27 +163,28 @@ def _check_closing(where: str, cavity, file) -> None:
     timed = relaxes(file)
     if moving is None and not timed:
         raise SealFileError(
-            f"{where} has vents, but no profile travels; give one a stage with translate"
+            f"{where} has vents, but no profile moves; give a [[profile]] a [[profile.stage]] with "
+            "translate"
         )
     open_stages = [] if timed else [n for n, s in enumerate(moving.stages, 1) if s.duration is None]
     if cavity.closing_speed is None:
         if open_stages:
             raise SealFileError(
-                f"{where} has vents without a closing_speed, and stage {open_stages[0]} of the profile "
-                f"{moving.name!r} has no duration; give either"
+                f"{where} has vents but no closing_speed, and stage {open_stages[0]} of the "
+                f"profile {moving.name!r} has no duration; give one of the two"
             )
         return
     where = f"{where}: closing_speed = {cavity.closing_speed:g}"
     if not open_stages:
         raise SealFileError(
-            f"{where} changes nothing, since every stage has a duration; leave it out"
+            f"{where} has no effect, because every stage has a duration; leave it out"
         )
     # time = travel / speed, or as given
     for number, own in enumerate(moving.stages, 1):
         if own.duration is None and not any(own.translate):
             raise SealFileError(
-                f"{where} gives stage {number} of the profile {moving.name!r}, which does not travel, "
-                "no time for the air to leave; give it a duration (s) or a translate"
+                f"{where} does not define the time of stage {number} of the profile "
+                f"{moving.name!r}, which has no translate; give this stage a duration (s)"
             )
 
 
@@ -196,7 +201,9 @@ def _check_durations(file) -> None:
             if not given or (vented and own is moving):
                 continue
             instead = (
-                f"give it to the stages of {moving.name!r}" if vented and moving else "omit it"
+                f"give the duration to the stages of {moving.name!r}"
+                if vented and moving
+                else "leave it out"
             )
             raise SealFileError(
                 f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {given[0]} has a duration, which only "
@@ -215,13 +222,14 @@ def _check_fluids(file) -> None:
             continue
         if file.step_tolerance is not None:
             raise SealFileError(
-                f"{where}: steps = {fluid.steps}, but load steps are chosen where stages have none; "
-                "leave it out, and the pressure grows in the last stage"
+                f"{where}: steps = {fluid.steps} cannot be given, because the stages have no steps "
+                "and load steps are chosen; leave it out, and the pressure grows in the last stage"
             )
         if fluid.steps > file.n_steps:
             raise SealFileError(
-                f"{where}: steps = {fluid.steps}, but the stages of the profiles have {file.n_steps} "
-                "steps in all; give them a last stage that only has steps, in which the pressure grows"
+                f"{where}: steps = {fluid.steps}, but the stages of the profiles have "
+                f"{file.n_steps} steps in all; add a last stage with steps only (a dwell), in "
+                "which the pressure grows"
             )
 
 
@@ -232,19 +240,19 @@ def _check_fluid_edges(where: str, edges, file) -> None:
     where = f"{where}: edge = {', '.join(edges)}"
     if contour is None:
         raise SealFileError(
-            f"{where} is not one connected part of the boundary; list edges that follow one another"
+            f"{where} is not one connected part of the boundary; list adjacent edges, in order"
         )
     if all_round:
         raise SealFileError(
-            f"{where} is a closed curve without ends; divide it where the fluid comes in and where it "
-            "must not come out"
+            f"{where} is a closed curve, so it has no wet and no dry end; divide it into several "
+            "edges and leave one of them out"
         )
     # contact keeps the fluid from the dry side
     touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
     if not any(name in touching for name in edges):
         raise SealFileError(
-            f"{where}, which no profile may touch, so nothing would hold the fluid back; edges that "
-            f"profiles may touch: {', '.join(touching)}"
+            f"{where}, but no profile may touch these edges, so nothing stops the fluid; include "
+            f"one of the edges in contact with a profile: {', '.join(touching)}"
         )
 
 
@@ -256,14 +264,15 @@ def _check_measures(file) -> None:
         where = f"[[measure]] {number}"
         if measure.name in names[: number - 1]:
             raise SealFileError(
-                f"{where}: name = {measure.name!r}, but an earlier measure has it; give every measure "
-                "a name of its own"
+                f"{where}: name = {measure.name!r}, but an earlier [[measure]] has this name; give "
+                "every measure a different name"
             )
         # numbers of particles belong to a cloud that does not change
         cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
             raise SealFileError(
-                f"{where}: places are numbers of particles, which are known only with [section] cloud"
+                f"{where}: places are indices of particles, which are fixed only with cloud in "
+                "[section]; leave places out, or use cloud"
             )
         _check_work(where, measure, file)
         measure.check(where, file)
@@ -274,8 +283,8 @@ def _check_work(where: str, measure, file) -> None:
     own = measure.type == "friction_work" and (file.moved or file.glued)
     if own or (measure.type == "profile_work" and measure.profile in file.glued):
         raise SealFileError(
-            f"{where}: type = {measure.type!r} does not know the work of [[moved]] and of glued edges; "
-            "leave it out, or use strain_energy"
+            f"{where}: type = {measure.type!r} is not available with [[moved]] or glued edges, "
+            "whose work is not included; leave it out, or use strain_energy"
         )
 
 
@@ -293,13 +302,14 @@ def _check_labels(file) -> None:
             where = f"[[{kind}]] {number}"
             if row.name in seen:
                 raise SealFileError(
-                    f"{where}: name = {row.name!r}, but {seen[row.name]} has it; give every {kind} a "
-                    "name of its own"
+                    f"{where}: name = {row.name!r}, but {seen[row.name]} has it; give every "
+                    f"[[{kind}]] a different name"
                 )
             seen[row.name] = where
     if file.self_contact is not None and SELF_CONTACT in seen:
         raise SealFileError(
-            f"[self_contact]: {seen[SELF_CONTACT]} has the name 'self_contact'; give it another one"
+            f"{seen[SELF_CONTACT]} has the name 'self_contact', which is reserved for "
+            "[self_contact]; give it another name"
         )
 
 
@@ -313,10 +323,12 @@ def _check_steps(file) -> None:
     if not moving:
         if file.moved:
             raise SealFileError(
-                "[[profile]], [[moved]]: none has a [[profile.stage]] or [[moved.stage]]; at least one "
-                "has to move"
+                "nothing moves: no [[profile]] has a [[profile.stage]] and no [[moved]] has a "
+                "[[moved.stage]]; add at least one"
             )
-        raise SealFileError("[[profile]]: none has a [[profile.stage]]; at least one has to move")
+        raise SealFileError(
+            "[[profile]]: nothing moves, because none has a [[profile.stage]]; add at least one"
+        )
     first = moving[0]
     for profile in moving[1:]:
         if profile.n_steps == first.n_steps:
@@ -324,9 +336,10 @@ def _check_steps(file) -> None:
         if file.step_tolerance is not None:
             # every stage has one step until steps are chosen
             raise SealFileError(
-                f"[[profile]]: {first.name!r} has {first.n_steps} of [[profile.stage]] and "
-                f"{profile.name!r} {profile.n_steps}; stages without steps run at the same time, so "
-                "give all profiles the same number (a profile without stages does not move)"
+                f"[[profile]]: {first.name!r} has {first.n_steps} stages ([[profile.stage]]), but "
+                f"{profile.name!r} has {profile.n_steps}; stages without steps run at the same "
+                "time, so give all moving profiles the same number of stages (a profile without "
+                "stages does not move)"
             )
         raise SealFileError(
             f"[[profile]]: the stages of {first.name!r} have {first.n_steps} steps in all "
@@ -342,13 +355,17 @@ def _check_contact(where: str, profile, file) -> None:
     for name in profile.contact:
         if len(file.supports.get(name, ())) == 2:
             owner = holder(file, name)
-            raise SealFileError(f"{where}: contact = {name!r}, but {owner} holds this edge")
+            raise SealFileError(
+                f"{where}: contact = {name!r}, but {owner} constrains this edge; remove it from "
+                "one of them"
+            )
     if isinstance(profile.friction, FrictionByGroup):
         check_friction_by_edge(where, profile)
     if _stretch(profile.contact, file.section.outline)[0] is None:
         raise SealFileError(
             f"{where}: contact = {', '.join(profile.contact)} is not one connected part of the "
-            "boundary; give the others a profile of their own with the same motion"
+            "boundary; add a second [[profile]] with the same curve and motion for the edges of "
+            "the other part"
         )
 
 
@@ -359,7 +376,7 @@ def _check_contact_points(where: str, profile, file) -> None:
     where = f'{where}: contact_points = "{profile.contact_points}", but'
     if file.fluids:
         raise SealFileError(
-            f"{where} a [[fluid]] needs contact at the particles; leave contact_points out"
+            f"{where} a [[fluid]] needs contact points at the particles; leave contact_points out"
         )
     for number, measure in enumerate(file.measures, 1):
         # the moment of a profile that turns needs forces at particles
@@ -367,8 +384,8 @@ def _check_contact_points(where: str, profile, file) -> None:
         own = measure.type == "profile_work" and of == profile.name
         if profile.turns and (own or measure.type == "friction_work"):
             raise SealFileError(
-                f"{where} the {measure.type} ([[measure]] {number}) of a profile that turns needs "
-                "contact at the particles; leave contact_points or the measure out"
+                f"{where} the {measure.type} ([[measure]] {number}) of a rotating profile needs "
+                "contact points at the particles; leave contact_points or the measure out"
             )
 
 
@@ -383,8 +400,8 @@ def _check_opposed(names, file) -> None:
     segments = touching[0].segments
     if len(segments) == 1 and isinstance(segments[0], Line):
         raise SealFileError(
-            f"nothing holds the section against the profile {touching[0].name!r}, which is a straight "
-            "line: fix an edge ([fixed]), or add a [[profile]] without stages on its other side"
+            f"nothing supports the section against the straight profile {touching[0].name!r}; fix "
+            "an edge ([fixed]), or add a [[profile]] without stages on the opposite side"
         )
 
 
@@ -415,11 +432,12 @@ def _check_bodies_held(file, gaps) -> None:
         # what is missing, which body, and how far the nearest profile is
         first = contours[0].edge_names[0]
         what = f"body {number} (edge {first!r})" if outline.others else "the section"
-        missing = "[fixed] has no edge of it" if fixed else "[fixed] is missing"
+        missing = "[fixed] has no edge of this body" if fixed else "[fixed] is missing"
         nearest = "no profile may touch it at a particle "
         if own:
             nearest = f"the nearest one is {min(own):.3g} mm away "
         raise SealFileError(
-            f"{missing}, so profiles have to hold {what}, but none touches it at the start: {nearest}"
-            "(let a segment of the boundary end where it touches, so that a particle is there)"
+            f"{missing}, so profiles must support {what}, but none touches it at the start: "
+            f"{nearest}(end a segment of the boundary at the point of first contact, so that a "
+            "particle lies there)"
         )

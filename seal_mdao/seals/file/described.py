@@ -81,7 +81,7 @@ def unpacked(packed: str) -> bytes:
     except zlib.error as error:
         raise ValueError(str(error)) from error
     if unpacker.unconsumed_tail:
-        raise ValueError(f"a file beside it has more than {MOST_BYTES} bytes")
+        raise ValueError(f"a file that the seal file names is larger than {MOST_BYTES} bytes")
     if not unpacker.eof:
-        raise ValueError("a file beside it is not complete")
+        raise ValueError("the record of a file that the seal file names is truncated")
     return content

@@ -79,13 +79,14 @@ class DesignTable(Table):
         given = [name for name in KINDS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(
-                "needs one of edges, vertex and arc; it has "
+                "exactly one of edges, vertex and arc is needed, but it has "
                 + (" and ".join(given) or "none of them")
             )
         for name, owner in BESIDE.items():
             if getattr(self, name) is not None and given != [owner]:
                 raise ValueError(
-                    f"{name} cannot be combined with {given[0]}; it belongs to {owner}"
+                    f"{name} belongs to {owner} and cannot be combined with {given[0]}; leave out "
+                    f"{name}"
                 )
         if self.edges is not None and self.parameters is None:
             raise ValueError(
@@ -93,7 +94,8 @@ class DesignTable(Table):
             )
         if self.between is not None and len(self.edges) > 1:
             raise ValueError(
-                "between cannot be combined with several edges; give every part a [[design]] of its own"
+                "between cannot be combined with several edges; write a separate [[design]] for "
+                "every part"
             )
         return self
 

@@ -102,7 +102,10 @@ class CavityTable(Table):
         missing = [name for name in VENTS[:2] if own[name] is None]
         given = [name for name in VENTS if own[name] is not None]
         if given and missing:
-            raise ValueError(f"{given[0]} without {missing[0]}; vents need {', '.join(VENTS[:2])}")
+            raise ValueError(
+                f"{given[0]} is given without {missing[0]}; vents need both "
+                f"{' and '.join(VENTS[:2])}"
+            )
         if given and self.vent_spacing < self.vent_diameter:
             raise ValueError(
                 f"vent_spacing = {self.vent_spacing:g} is less than vent_diameter = "
@@ -223,7 +226,8 @@ class SelfContactTable(Table):
     def _some_friction(self):
         if self.friction is None and not self.pairs:
             raise ValueError(
-                "the key 'friction' is missing; it is optional with [[self_contact.pair]]"
+                "the key 'friction' is missing; give it, or a [[self_contact.pair]] for every pair "
+                "of edges that may touch"
             )
         return self
 

@@ -70,15 +70,15 @@ def check_environment(file) -> None:
     for name, material in file.materials.items():
         if not is_known(material):
             raise SealFileError(
-                f"[material.{name}]: this compressible law is known in plane strain alone, without a "
-                "temperature, swelling or axial_stretch; it needs the methods volumetric and "
-                "volumetric_constants"
+                f"[material.{name}]: this compressible law supports only plane strain without "
+                "temperature, swelling or axial_stretch; use another law, or define its methods "
+                "volumetric and volumetric_constants"
             )
     for number, measure in enumerate(file.measures, 1):
         if measure.type == "friction_work":
             raise SealFileError(
-                f"[[measure]] {number}: friction_work is the work of the profiles that is not stored, "
-                "and heat, swelling and an axial_stretch do work, too; leave it out"
+                f"[[measure]] {number}: friction_work is not available with temperature, swelling "
+                "or axial_stretch, because these do work, too; leave it out"
             )
 
 
@@ -91,8 +91,8 @@ def _check_axial_stretch(file) -> None:
         )
     if kind != GENERALISED and given is not None:
         raise SealFileError(
-            f'[model]: axial_stretch = {formatted(given)} is for kinematics = "{GENERALISED}", not '
-            f'"{kind}"'
+            f'[model]: axial_stretch = {formatted(given)} needs kinematics = "{GENERALISED}", not '
+            f'"{kind}"; change kinematics, or leave axial_stretch out'
             + ("; a ring is stretched by a profile that moves along x" if file.axisymmetric else "")
         )
 
@@ -104,9 +104,9 @@ def _check_temperature(file) -> None:
         return
     if not any(own.changes_with_temperature for own in file.material_tables.values()):
         raise SealFileError(
-            f"[model]: temperature = {formatted(file.model.temperature)}, but no material has an "
-            "expansion, a modulus_over_temperature or a shift of its relaxation; rubber has an "
-            "expansion of about 2e-4 (1/K)"
+            f"[model]: temperature = {formatted(file.model.temperature)}, but no material depends "
+            "on it; give a material an expansion (rubber about 2e-4 1/K), a "
+            "modulus_over_temperature or a shift of its relaxation times, or leave temperature out"
         )
 
 
@@ -116,9 +116,9 @@ def _refuse_without_temperature(name: str, own) -> None:
     for key, value in given.items():
         if value:
             raise SealFileError(
-                f"[material.{name}]: {key} = {formatted(value)}, but [model] has no temperature, so it "
-                "changes nothing; write temperature = 60 (degrees Celsius, at the end of every stage) "
-                f"in [model], or leave out {key}"
+                f"[material.{name}]: {key} = {formatted(value)}, but [model] has no temperature, "
+                "so it has no effect; add temperature = 60 (degrees Celsius, at the end of every "
+                f"stage) to [model], or leave out {key}"
             )
 
 
@@ -132,7 +132,7 @@ def _check_factors(file, name: str) -> None:
     given = np.append(file.model.reference_temperature, file.model.temperature)
     if given.min() < at[0] or given.max() > at[-1]:
         raise SealFileError(
-            f"[material.{name}]: modulus_over_temperature goes from {at[0]:g} to {at[-1]:g}, but "
-            f"[model] has temperatures from {given.min():g} to {given.max():g} degrees Celsius, that of "
-            "reference included; add points to the table"
+            f"[material.{name}]: modulus_over_temperature goes from {at[0]:g} to {at[-1]:g} "
+            f"degrees Celsius, but [model] has temperatures from {given.min():g} to "
+            f"{given.max():g}, reference_temperature included; add points to this table"
         )

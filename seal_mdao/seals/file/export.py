@@ -56,7 +56,8 @@ def require_writers() -> None:
             missing.append(package)
     if missing:
         raise ImportError(
-            f"not installed: {', '.join(missing)}; pip install seal_mdao[dxf] has what writes designs"
+            f"writing a design needs {' and '.join(missing)}, not installed: pip install "
+            "seal_mdao[dxf]"
         )
 
 

@@ -125,15 +125,15 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
         # a required field must have a form, and no field the name of a key or attribute of the base
         if form is None and default is MISSING:
             raise ValueError(
-                f"{made.__name__}: no key can give {field.name!r}; its type must be float, int, str, "
-                "bool, a tuple of these, or it must have a default"
+                f"{made.__name__}: the field {field.name!r} cannot be read from a seal file; give "
+                "it the type float, int, str, bool or a tuple of these, or a default"
             )
         if form is None:
             continue
         if field.name in base.entries() or hasattr(base, field.name):
             raise ValueError(
-                f"{made.__name__}: no key can give {field.name!r}, which every such table has for "
-                "itself; give the field another name"
+                f"{made.__name__}: the name of the field {field.name!r} is reserved, because every "
+                "such table has a key or attribute of this name; rename the field"
             )
         text = f"field of {made.__name__}"
         if default is MISSING:

@@ -49,12 +49,12 @@ class Written(BaseModel):
     # keys are the names of tables; what is unknown is refused by ``read_seal_file`` before
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    model: ModelTable = key("what the section stands for", MODEL)
+    model: ModelTable = key("kinematics and environment", MODEL)
     material: Materials = key("rubbers by their names")
     section: WrittenSection = key("the section")
     profile: rows(ProfileTable) = key("rigid bodies that move against it", ())
     fixed: FixedTable | None = key("fixed edges", None)
-    moved: rows(MovedTable) = key("edges that are moved", ())
+    moved: rows(MovedTable) = key("edges with prescribed displacements", ())
     symmetry: rows(SymmetryTable) = key("planes of symmetry", ())
     cavity: rows(CavityTable) = key("holes with trapped or vented air", ())
     self_contact: SelfContactTable | None = key("edges that may touch each other", None)
@@ -62,10 +62,10 @@ class Written(BaseModel):
     design: rows(DesignTable) = key("design parameters of the shape", ())
     measure: rows(AnyMeasure) = key("measures to compute", ())
     optimize: OptimizeTable | None = key("objective and constraints", None)
-    steps: StepsTable | None = key("how exactly load steps are chosen", None)
-    penalties: PenaltiesTable = key("how exactly penalties are chosen", PenaltiesTable())
-    term: rows(AnyTerm) = key("terms of other packages along edges", ())
-    tolerance: ToleranceTable | None = key("scatter between parts and assemblies", None)
+    steps: StepsTable | None = key("accuracy of the chosen load steps", None)
+    penalties: PenaltiesTable = key("accuracy of the chosen penalties", PenaltiesTable())
+    term: rows(AnyTerm) = key("terms of extension packages along edges", ())
+    tolerance: ToleranceTable | None = key("scatter of parameters and boundary between parts", None)
 
 
 @dataclass(frozen=True)

@@ -131,8 +131,8 @@ class ReactionTable(OfProfile):
             done = replace(done, component=_main_axis(own))
         if done.direction == TRAVEL and not own.travel > 0.0:
             raise SealFileError(
-                f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not travel; give "
-                "the direction as [x, y]"
+                f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not move; "
+                "give the direction as [x, y]"
             )
         # travels are those of the profile, or of the first one that travels where it stands still
         moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
@@ -153,16 +153,16 @@ class ReactionTable(OfProfile):
             )
         if self.time is not None and not relaxes(file):
             raise SealFileError(
-                f"{where}: time needs a material that relaxes ([material.NAME.viscoelastic]), so that "
-                "stages take time; use travel or stage"
+                f"{where}: time needs a viscoelastic material ([material.NAME.viscoelastic]), "
+                "without which stages take no time; use travel or stage instead"
             )
         # a force on an edge needs a prescribed component
         for name in self.edges or ():
             known(where, "edges", name, file.section.outline.edge_names, "edge")
             if name not in file.supports:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which is neither fixed nor moved; there are "
-                    f"{', '.join(file.supports) or 'none'}"
+                    f"{where}: edges has {name!r}, which is neither fixed nor moved; the fixed and "
+                    f"moved edges are {', '.join(file.supports) or 'none'}"
                 )
 
 
@@ -212,20 +212,25 @@ class LoadDeflectionErrorTable(ReactionTable):
 
     def settled(self, where, profiles):
         if not self._places or self.value is None:
-            raise SealFileError(f"{where}: the target needs travel and value, or data")
+            raise SealFileError(
+                f"{where}: the target curve is missing; give travel and value, or data"
+            )
         # one number is a curve of one point
         (place, given), *_ = self._places.items()
         places = given if isinstance(given, tuple) else (given,)
         for name, own in (("value", self.value), ("weight", self.weight)):
             if own is not None and len(own) != len(places):
                 raise SealFileError(
-                    f"{where}: {name} has {len(own)} numbers, but {place} has {len(places)}"
+                    f"{where}: {name} has {len(own)} numbers, but {place} has {len(places)}; give "
+                    "equally many"
                 )
         if not all(self.value):
             raise SealFileError(
-                f"{where}: value has a target of 0, and differences are relative to the targets; leave "
-                f"this {place} out"
+                f"{where}: value contains a target of 0, but differences are relative to the "
+                f"targets; leave this {place} out"
             )
         if self.weight is not None and not any(self.weight):
-            raise SealFileError(f"{where}: weight has nothing but zeros")
+            raise SealFileError(
+                f"{where}: all numbers of weight are zero; give at least one a value above 0"
+            )
         return replace(super().settled(where, profiles), **{place: places})

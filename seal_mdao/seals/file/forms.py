@@ -86,7 +86,9 @@ def point(most: float | None = None):
 def _not_too_many(value):
     # before every point is checked
     if isinstance(value, list) and len(value) > MOST_POINTS:
-        raise GeometryError(f"{len(value)} points, but at most {MOST_POINTS} are read")
+        raise GeometryError(
+            f"{len(value)} points are more than the limit of {MOST_POINTS}; use fewer points"
+        )
     return value
 
 
@@ -95,7 +97,7 @@ Text = Annotated[
 ]  # fmt: skip
 
 
-IDENTIFIER = "a name of letters, digits and _ that begins with no digit"
+IDENTIFIER = "a name of letters, digits and _ that does not begin with a digit"
 
 
 def _identifier(value: str) -> str:
@@ -117,7 +119,8 @@ def unfit_edge_name(edge: str) -> str:
     if edge.isidentifier():
         return ""
     return (
-        f"parameters are named after the edge {edge!r}, which needs {IDENTIFIER}; rename the edge"
+        f"parameters are named after the edge {edge!r}, which therefore needs {IDENTIFIER}; rename "
+        "the edge"
     )
 
 

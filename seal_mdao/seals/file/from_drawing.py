@@ -125,8 +125,8 @@ def from_drawing(
     lowest, touched = _fixed_and_touched(drawing, low[1] + 0.5 * height)
     if not touched:
         raise SealFileError(
-            f"{path} has one edge only, {lowest!r}; draw what is fixed and what is pressed on "
-            "layers of their own"
+            f"{path} has only one edge, {lowest!r} (all lines are on one layer); draw the fixed "
+            "part and the part in contact on separate layers"
         )
     rest, *others = _parts(drawing)
     if not (folder / path.name).exists():  # a seal file names files beside it
@@ -181,8 +181,8 @@ def _write_layers(path, units, parting, ignore, layered: Path, report) -> Drawin
     drawing, parting, _ = found[0]
     if layered.exists():
         raise SealFileError(
-            f"{layered} exists, and the edges of {path.name} would be written there, every one on a "
-            "layer of its own; take another name"
+            f"{layered} already exists, but the drawing with one layer per edge of {path.name} "
+            "would be written there; choose another NAME or another folder (--out)"
         )
     lines = {PARTING: drawing.parting} if drawing.parting else {}
     write_dxf(drawing.outline, layered, lines)
@@ -190,8 +190,8 @@ def _write_layers(path, units, parting, ignore, layered: Path, report) -> Drawin
         f"; lines between rubbers, from {', '.join(parting)}, are on {PARTING}" if lines else ""
     )
     report(
-        f"the layers of {path.name} are not its edges: {layered} has every edge between corners on "
-        f"a layer of its own, {', '.join(drawing.outline.edge_names)}{between}"
+        f"the layers of {path.name} are not its edges, so {layered} was written with every edge "
+        f"between corners on a separate layer: {', '.join(drawing.outline.edge_names)}{between}"
     )
     # texts, and what was left out, are those of the drawing as it was given
     written = read_drawing(layered, parting=list(lines))
@@ -268,9 +268,9 @@ def _parts(drawing: Drawing) -> list[tuple]:
 
 def _described(drawing: Drawing, parting) -> str:
     """Say which layers are parting lines, and which were left out."""
-    said = [f"lines between rubbers on {', '.join(parting)}"] if parting else []
+    said = [f"lines between rubbers on the layers {', '.join(parting)}"] if parting else []
     left = ", ".join(f"{name} ({count} entities)" for name, count in drawing.left_out.items())
-    return "; ".join(said + ([f"left out {left}"] if left else [])) or "nothing was left out"
+    return "; ".join(said + ([f"left out {left}"] if left else [])) or "no layer was ignored"
 
 
 def _keys(units, parting, ignore) -> str:

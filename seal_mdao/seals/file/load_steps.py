@@ -82,16 +82,16 @@ def with_steps(profiles: tuple, moved: tuple, steps: StepsTable | None) -> tuple
     if not without:
         if steps is not None:
             raise SealFileError(
-                "[steps]: tolerance is for load steps that are chosen, but all stages have steps; leave "
-                "out either"
+                "[steps]: tolerance has no effect, because all stages have steps; leave out "
+                "tolerance, or the steps of all stages"
             )
         return profiles, moved, None
     # some stages have steps and others none: one choice for all
     for where, own in named:
         if own is not None:
             raise SealFileError(
-                f"{where} has steps, but {without[0]} has none; give them to all stages, or to none, to "
-                "have them chosen"
+                f"{where} has steps, but {without[0]} does not; give steps in all stages, or in "
+                "none to have them chosen"
             )
     tolerance = (StepsTable() if steps is None else steps).tolerance
     return one_step_each(profiles), one_step_each(moved), tolerance

@@ -284,14 +284,17 @@ AnyMaterial = Annotated[AnyLaw, _OrShort()]
 def _named(given):
     """Refuse anything but materials with names."""
     if not isinstance(given, dict) or not given:
-        line = f"[material.NAME] must be a table for every material, got {formatted(given)}"
+        line = (
+            "[material] must contain one table for every material, [material.NAME], got "
+            f"{formatted(given)}"
+        )
         raise PydanticCustomError(LINE, "{line}", {"line": line})
     for name, value in given.items():
         # [material] with the keys of a material in place of [material.NAME]
         if not isinstance(value, dict):
             line = (
-                f"[material]: {name} = {formatted(value)}, but a material needs a name: write "
-                "[material.rubber]"
+                f"[material]: {name} = {formatted(value)}, but this is a key of a single material; "
+                "write it in a table with the name of the material, such as [material.rubber]"
             )
             raise PydanticCustomError(LINE, "{line}", {"line": line})
     return given

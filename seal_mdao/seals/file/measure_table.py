@@ -16,7 +16,7 @@ from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, table
 
-Places = many(whole(0, 10**6), "a list of numbers of particles, from 0 on")
+Places = many(whole(0, 10**6), "a list of indices of particles, from 0")
 TypeName = Annotated[str, Form("the name of a type")]
 
 
@@ -112,11 +112,13 @@ class OfProfile(MeasureTable):
         names = [own.name for own in profiles if self.takes(own)]
         if not names:
             raise SealFileError(
-                f"{where}: type = {self.type!r} needs a [[profile]], and there is none"
+                f"{where}: type = {self.type!r} needs a [[profile]], but the file has none; add "
+                "one, or leave the measure out"
             )
         if self.profile is None and len(names) > 1:
             raise SealFileError(
-                f"{where}: the key 'profile' is missing; it must be one of {', '.join(names)}"
+                f"{where}: the key 'profile' is missing; with several profiles it must be one of "
+                f"{', '.join(names)}"
             )
         name = names[0] if self.profile is None else self.profile
         known(where, "profile", name, names, "profile")

@@ -82,7 +82,7 @@ class WallThicknessTable(MeasureTable):
     def _two_sides(self):
         # a wall has two sides
         if (self.edges is None) != (self.opposite is None):
-            raise ValueError("edges and opposite belong together; give both or none")
+            raise ValueError("edges and opposite belong together; give both or neither")
         return self
 
     def check(self, where, file):
@@ -91,7 +91,8 @@ class WallThicknessTable(MeasureTable):
             # without names a wall lies between the outside and a hole
             if all(len(body) == 1 for body in outline.bodies):
                 raise SealFileError(
-                    f"{where}: the section has no hole; give edges and opposite, the two sides of a wall"
+                    f"{where}: the section has no hole, so its walls are not known; give edges and "
+                    "opposite, the two sides of a wall"
                 )
             return
         for name, own in (("edges", self.edges), ("opposite", self.opposite)):
@@ -116,8 +117,8 @@ class CavityAreaTable(MeasureTable):
         holes = [hole.edge_names[0] for hole in outline.holes if len(hole.edge_names) == 1]
         if self.edge not in holes:
             raise SealFileError(
-                f"{where}: edge = {self.edge!r} does not go all round a hole; there "
-                f"{'are' if len(holes) != 1 else 'is'} {', '.join(holes) or 'none'}"
+                f"{where}: edge = {self.edge!r} is not the complete boundary of a hole; edges that "
+                f"are: {', '.join(holes) or 'none'}"
             )
 
 
@@ -273,8 +274,8 @@ class VonMisesTable(MeasureTable):
         for name in ("excess", "away_from_singular"):
             if getattr(self, name) is not None and not self.single:
                 raise ValueError(
-                    f"{name} belongs to the maximum of the complete section; leave it out with at, "
-                    "count or places"
+                    f"{name} applies to the maximum of the complete section only and cannot be "
+                    "combined with at, count or places; leave it out"
                 )
         return self
 

@@ -40,8 +40,8 @@ def at_stage_ends(file, where: str, given) -> tuple:
     if len(values) != count:
         raise SealFileError(
             f"{where} has {len(values)} numbers, but {file.leading.name!r} has {count} "
-            f"{'stage' if count == 1 else 'stages'}; "
-            "give one for the end of every stage, or one number for all of them"
+            f"{'stage' if count == 1 else 'stages'}; give one number for the end of every stage, "
+            "or a single number for all"
         )
     return values
 
@@ -106,14 +106,15 @@ def check_axisymmetric(file) -> None:
     for name, material in file.materials.items():
         if not is_known(material):
             raise SealFileError(
-                f"[material.{name}]: the compressible law {type(material).__name__} is known in plane "
-                f'strain only; for kinematics = "{AXISYMMETRIC}" define its method volumetric'
+                f"[material.{name}]: the compressible law {type(material).__name__} supports plane "
+                "strain only; use another law, or define its method volumetric for kinematics = "
+                f'"{AXISYMMETRIC}"'
             )
     for place, measure in enumerate(file.measures, 1):
         if getattr(measure, "length", None) is not None:
             raise SealFileError(
-                f'[[measure]] {place}: length is for kinematics = "{PLANE_STRAIN}"; a ring has its '
-                "own length, and its forces are in N"
+                f'[[measure]] {place}: length needs kinematics = "{PLANE_STRAIN}"; leave it out, '
+                "because the forces of a ring are already in N"
             )
 
 
@@ -127,8 +128,9 @@ def _check_section(outline: Outline) -> None:
         radii = _radii(outline, name)
         if radii.min() < -tolerance:
             raise SealFileError(
-                f"[section]: the edge {name!r} goes to x = {radii.min():.4g}, beyond the axis x = 0 of "
-                f'kinematics = "{AXISYMMETRIC}"; x is the radius: move the section to x >= 0'
+                f"[section]: the edge {name!r} reaches x = {radii.min():.4g}, beyond the axis of "
+                f'revolution x = 0 (kinematics = "{AXISYMMETRIC}"); x is the radius, so move the '
+                "section to x >= 0"
             )
         if name in on_axis:
             continue
@@ -138,9 +140,8 @@ def _check_section(outline: Outline) -> None:
                 if point[0] <= tolerance and apart > tolerance:
                     y = point[1] if abs(point[1]) > tolerance else 0.0
                     raise SealFileError(
-                        f"[section]: the edge {name!r} touches the axis at y = {y:.4g}, where "
-                        "no edge lies on the axis; end it at x > 0, or give the section an edge on "
-                        "x = 0"
+                        f"[section]: the edge {name!r} touches the axis x = 0 in the single point "
+                        f"y = {y:.4g}; end it at x > 0, or draw an edge along the axis"
                     )
 
 
@@ -157,7 +158,8 @@ def _check_edges_on_axis(file) -> None:
         for name in names:
             if name in on_axis:
                 raise SealFileError(
-                    f"{where} has {name!r}, which lies on the axis of revolution, inside the body"
+                    f"{where} has {name!r}, which lies on the axis of revolution and is not a "
+                    "surface; remove it"
                 )
 
 
@@ -168,6 +170,7 @@ def _check_motions(file) -> None:
             for k, stage in enumerate(own.stages, 1):
                 if stage.rotate:
                     raise SealFileError(
-                        f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {k} rotates, which no body "
-                        "of revolution does; translate it along y, or along x as a ring that grows"
+                        f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {k} rotates, which is "
+                        "not possible for a body of revolution; use translate (y: axial, x: change "
+                        "of radius)"
                     )

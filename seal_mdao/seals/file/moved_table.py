@@ -36,20 +36,20 @@ class MovedTable(Staged, Table):
         if self.name is None:
             unfit = unfit_edge_name(self.edges[0])
             if unfit:
-                raise ValueError(f"edges: {unfit}, or give a name")
+                raise ValueError(f"edges: {unfit}, or add the key 'name' to this [[moved]]")
             object.__setattr__(self, "name", self.edges[0])
         for number, stage in enumerate(self.stages, 1):
             # a free direction cannot be moved, and a turn moves both
             for axis, travel in zip("xy", stage.translate, strict=True):
                 if travel and axis not in self.directions:
                     raise ValueError(
-                        f"[[moved.stage]] {number} translates along {axis}, but directions has "
-                        f"{', '.join(self.directions)} alone"
+                        f"[[moved.stage]] {number} translates along {axis}, but directions "
+                        f"contains only {', '.join(self.directions)}; add {axis!r} to directions"
                     )
             if stage.rotate and len(self.components) < 2:
                 raise ValueError(
-                    f"[[moved.stage]] {number} rotates, which needs both directions; directions has "
-                    f"{self.directions[0]} alone"
+                    f"[[moved.stage]] {number} rotates, which needs both directions, but "
+                    f'directions contains only {self.directions[0]}; use directions = ["x", "y"]'
                 )
         return self
 

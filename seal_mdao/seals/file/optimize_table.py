@@ -29,12 +29,14 @@ class Constraint(Table):
     def _bounds(self):
         # lower <= c <= upper, one of them at least
         if self.lower is None and self.upper is None:
-            raise ValueError("needs lower, upper or both; it has neither")
+            raise ValueError("needs lower, upper or both, but has neither")
         if self.lower is None or self.upper is None:
             return self
         low, high = np.atleast_1d(self.lower), np.atleast_1d(self.upper)
         if low.size != high.size and 1 not in (low.size, high.size):
-            raise ValueError(f"lower has {low.size} numbers, but upper has {high.size}")
+            raise ValueError(
+                f"lower has {low.size} numbers, but upper has {high.size}; give equally many"
+            )
         low, high = np.broadcast_arrays(low, high)
         for above in np.flatnonzero(low > high)[:1]:
             raise ValueError(f"lower = {low[above]:g} is above upper = {high[above]:g}")
@@ -72,8 +74,8 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
     aim = _implied("[optimize]: minimize", optimize.minimize, every, profiles)
     if not aim.single:
         raise SealFileError(
-            f"[optimize]: minimize = {aim.name!r} is of the type {aim.type}, which has several values; "
-            "minimise a single number, such as stress_norm or gap_square_sum"
+            f"[optimize]: minimize = {aim.name!r} (type {aim.type}) has several values; minimise a "
+            "measure with a single value, such as stress_norm or gap_square_sum"
         )
     for i, constraint in enumerate(optimize.constraints, 1):
         where = f"[[optimize.constraint]] {i}"
@@ -99,8 +101,9 @@ def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTabl
         return every[-1]
     close = suggestion(name, [*names, *KINDS])
     raise SealFileError(
-        f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a [[measure]] "
-        f"({', '.join(names) or 'there is none'}) or a type of its own such as section_area or reaction"
+        f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a "
+        f"[[measure]] ({', '.join(names) or 'the file has none'}), or a type that needs no further "
+        "keys, such as section_area or reaction"
     )
 
 

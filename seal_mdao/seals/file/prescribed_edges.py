@@ -13,7 +13,7 @@ def check_edges(where: str, key: str, names, outline: Outline) -> None:
     for i, name in enumerate(names):
         known(where, key, name, outline.edge_names, "edge")
         if name in names[:i]:
-            raise SealFileError(f"{where}: {key} has {name!r} twice")
+            raise SealFileError(f"{where}: {key} names the edge {name!r} twice; remove one")
 
 
 def held(file) -> list:
@@ -49,7 +49,8 @@ def check_moved(file) -> None:
         for name in names:
             if name in owners:
                 raise SealFileError(
-                    f"{where}: {key} has {name!r}, which {owners[name][0]} has already"
+                    f"{where}: {key} has {name!r}, which {owners[name][0]} already constrains; "
+                    "remove it from one of them"
                 )
         for name in names:
             _check_corners(outline, name, (where, components, pivot, stages), owners)
@@ -67,9 +68,9 @@ def _check_corners(outline: Outline, name: str, own: tuple, owners: dict) -> Non
         for component in set(own[1]) & set(its[1]):
             if _program(own, component) != _program(its, component):
                 raise SealFileError(
-                    f"{own[0]}: the edge {name!r} meets {other!r} of {its[0]} at a corner, which cannot "
-                    f"move in two ways along {'xy'[component]}; leave a part of the boundary free "
-                    "between them"
+                    f"{own[0]}: the edge {name!r} meets {other!r} of {its[0]} at a corner, but "
+                    f"they prescribe different displacements along {'xy'[component]}; leave a free "
+                    "edge between them"
                 )
 
 
@@ -97,7 +98,9 @@ def check_friction_by_edge(where: str, profile) -> None:
             raise SealFileError(f"{where}: friction: {unfit}")
     missing = [name for name in profile.contact if name not in profile.friction.names]
     if missing:
-        raise SealFileError(f"{where}: friction has no coefficient of the edge {missing[0]!r}")
+        raise SealFileError(
+            f"{where}: friction has no coefficient for the edge {missing[0]!r}; add it"
+        )
 
 
 def check_pairs(self_contact) -> None:
@@ -111,5 +114,8 @@ def check_pairs(self_contact) -> None:
             if unfit := unfit_edge_name(name):
                 raise SealFileError(f"{where}: edges: {unfit}")
         if frozenset(pair.edges) in seen:
-            raise SealFileError(f"{where}: edges has a pair that {seen[frozenset(pair.edges)]} has")
+            raise SealFileError(
+                f"{where}: the pair of edges {' and '.join(pair.edges)} is already in "
+                f"{seen[frozenset(pair.edges)]}; remove one"
+            )
         seen[frozenset(pair.edges)] = where

@@ -79,13 +79,18 @@ def _parsed(path) -> dict:
     except OSError as error:
         raise SealFileError(f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError as error:
-        raise SealFileError(f"is not text in UTF-8 (byte {error.start})") from None
+        raise SealFileError(
+            f"not a text file in UTF-8 (first invalid byte: {error.start}); save it in this "
+            "encoding"
+        ) from None
     try:
         found = tomllib.loads(content)
     except (ValueError, RecursionError) as error:
-        raise SealFileError(f"is not valid TOML: {' '.join(str(error).split())}") from None
+        raise SealFileError(f"not valid TOML: {' '.join(str(error).split())}") from None
     if not found:
-        raise SealFileError(f"is empty; it needs {_written((*NEEDED, MOVING[0]))}")
+        raise SealFileError(
+            f"the file is empty; it needs at least {_written((*NEEDED, MOVING[0]))}"
+        )
     return found
 
 
@@ -100,7 +105,7 @@ def _read(given, path) -> SealFile:
     for name in given:
         if name not in TABLES:
             raise SealFileError(
-                f"unknown table or key {name!r}{suggestion(name, TABLES)}; known are "
+                f"unknown table or key {name!r}{suggestion(name, TABLES)}; the tables are "
                 + ", ".join(TABLES)
             )
     # tables that every seal needs
@@ -147,10 +152,14 @@ def _check_profile_names(profiles) -> None:
     names = [profile.name for profile in profiles]
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise SealFileError(f"[[profile]] {i + 1}: name = {name!r}, but an earlier one has it")
+            raise SealFileError(
+                f"[[profile]] {i + 1}: name = {name!r}, but an earlier [[profile]] has this name; "
+                "give it another name"
+            )
         if name == "structure":
             raise SealFileError(
-                f"[[profile]] {i + 1}: name = 'structure', but that is the name of the body itself"
+                f"[[profile]] {i + 1}: name = 'structure' is reserved for the body; give it "
+                "another name"
             )
 
 

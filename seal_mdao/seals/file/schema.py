@@ -87,7 +87,7 @@ class Table:
         for name in given:
             if name not in keys:
                 close = suggestion(name, keys)
-                raise ValueError(f"unknown key {name!r}{close}; known are {', '.join(keys)}")
+                raise ValueError(f"unknown key {name!r}{close}; the keys are {', '.join(keys)}")
         for name, own in keys.items():
             if name not in given and own.is_required():
                 raise ValueError(f"the key {name!r} is missing; it must be {cls.allowed(name)}")
@@ -215,7 +215,10 @@ def _line(error: dict, given: dict) -> str:
 
 def _no_rows(name: str, value) -> str:
     if isinstance(value, list) and len(value) > MOST_ROWS:
-        return f"[[{name}]]: {len(value)} of them, but at most {MOST_ROWS} are read"
+        return (
+            f"[[{name}]]: {len(value)} tables are more than the limit of {MOST_ROWS}; leave some "
+            "out"
+        )
     return f"{name} must be a list of tables, each written [[{name}]], got {formatted(value)}"
 
 

@@ -79,7 +79,7 @@ class RaysTable(Table):
         if self.layers < least:
             raise ValueError(
                 f"layers = {self.layers} with the accuracy {self.accuracy!r}, which needs at least "
-                f"{least}; 4 are a good start"
+                f"{least} layers; 4 is a suitable value"
             )
         return self
 
@@ -142,19 +142,26 @@ class WrittenSection(Table):
         nominal = self.dxf is not None
         if nominal == (self.outer is not None):
             has = "both" if nominal else "neither"
-            raise ValueError(f"needs either [[section.outer]] or dxf; it has {has}")
+            raise ValueError(
+                "the outline must be given by either [[section.outer]] or dxf, but the file has "
+                f"{has}"
+            )
         if nominal and self.hole is not None:
             raise ValueError(
-                "[[section.hole]] cannot be combined with dxf; the drawing has the holes"
+                "[[section.hole]] cannot be combined with dxf; draw the holes in the drawing"
             )
         if not nominal and self.units is not None:
-            raise ValueError("units belongs to dxf; all numbers of this file are in mm")
+            raise ValueError(
+                "units applies to a drawing (dxf) only; leave it out, because all lengths in a "
+                "seal file are in mm"
+            )
         for name in ("parting", "ignore"):
             if not nominal and getattr(self, name) is not None:
-                raise ValueError(f"{name} belongs to dxf; it names layers of a drawing")
+                raise ValueError(f"{name} names layers of a drawing and needs dxf; leave it out")
         if self.parting is not None and self.region is None:
             raise ValueError(
-                "parting without [[section.region]]; give the part on one side of the lines its material"
+                "parting has no effect without [[section.region]]; add one with the material on "
+                "one side of the parting lines"
             )
         return self
 
@@ -164,18 +171,25 @@ class WrittenSection(Table):
         given = [name for name in FILLINGS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(
-                "needs one of spacing (the largest distance of particles in mm), rays and cloud; it has "
-                + (" and ".join(given) or "none of them")
+                "exactly one of spacing (the largest distance of particles in mm), rays and cloud "
+                "is needed, but it has " + (" and ".join(given) or "none of them")
             )
         if self.rays is not None and self.region is not None:
             raise ValueError("[[section.region]] cannot be combined with rays; use spacing")
         if self.layers is not None and self.spacing is None:
-            raise ValueError("layers belongs to spacing; rays and a cloud have their own")
+            raise ValueError(
+                "layers can only be combined with spacing; rays and cloud define their own layers, "
+                "so leave it out"
+            )
         if self.edge_spacing is not None and self.spacing is None:
-            raise ValueError("edge_spacing belongs to spacing; rays and a cloud have their own")
+            raise ValueError(
+                "edge_spacing can only be combined with spacing; rays and cloud define their own "
+                "particles, so leave it out"
+            )
         if self.quadrature is not None and self.spacing is None:
             raise ValueError(
-                "quadrature belongs to spacing; the accuracy of rays and a cloud have their own"
+                "quadrature can only be combined with spacing; rays (accuracy) and cloud define "
+                "their own quadrature, so leave it out"
             )
         return self
 
@@ -192,7 +206,8 @@ class WrittenSection(Table):
         """
         if self.material is None and len(materials) > 1:
             raise SealFileError(
-                f"[section]: material is missing; the file has several: {', '.join(materials)}"
+                "[section]: the key 'material' is missing; with several materials it must be one "
+                f"of {', '.join(materials)}"
             )
         if self.dxf is None:
             drawing = Drawing(self._segments(), (), (), {})
@@ -315,8 +330,9 @@ def _placed(where: str, region: RegionTable, drawing: Drawing) -> RegionTable:
     if len(named) != 1:
         found = f"{len(named)} texts" if named else "no text"
         raise SealFileError(
-            f"{where}: at is missing, and the drawing has {found} {region.material!r}; give a point of "
-            "the part, or write the name of its material into the part once"
+            f"{where}: the key 'at' is missing, and the drawing has {found} {region.material!r}; "
+            "give a point inside the region, or write the name of its material into the region "
+            "exactly once"
         )
     return replace(region, at=named[0])
 
@@ -348,8 +364,9 @@ def check_section(file) -> None:
         known(where, "material", region.material, tuple(file.materials), "material")
         if region.material in seen:
             raise SealFileError(
-                f"{where}: material = {region.material!r}, which {seen[region.material]} has already; "
-                "give every part a material of its own name"
+                f"{where}: material = {region.material!r}, which {seen[region.material]} already "
+                "has; give every region a different material (two materials may have equal "
+                "constants)"
             )
         seen[region.material] = where
         _check_region(where, region, section)
@@ -362,8 +379,8 @@ def _check_spacing(spacing, outline) -> None:
     hint = f" ({size})" if size else ""
     if spacing >= 0.5 * small:
         raise SealFileError(
-            f"[section]: spacing = {spacing:g}, but the section is only {small:.4g} mm wide; it must be "
-            "less than half of that" + hint
+            f"[section]: spacing = {spacing:g}, which is not less than half of the width of the "
+            f"section, {small:.4g} mm; choose a smaller one" + hint
         )
     # about area / spacing^2 particles
     least = np.sqrt(outline.area / MOST_PARTICLES)
@@ -397,6 +414,6 @@ def _check_region(where, region, section) -> None:
     """Refuse a region without a line in a single body."""
     if region.line is None and not (section.parting or section.outline.others):
         raise SealFileError(
-            f"{where}: line is missing, but the section is one body; draw the line that divides the "
-            "part from the rest, or name its layer in parting of [section]"
+            f"{where}: the key 'line' is missing; give the line that divides the region from the "
+            "rest of the body, or name its layer in parting of [section]"
         )

@@ -9,9 +9,11 @@ from seal_mdao.seals.file.forms import number
 from seal_mdao.seals.file.schema import Table, key, table
 
 _WITHOUT_HISTORY = {
-    "strain_energy": "a part of the work on it is dissipated; profile_work is that work",
-    "friction_work": "softening dissipates, too; profile_work over a closed cycle has both",
-    "leak_rate": "it takes the modulus of the rubber, which depends on the largest energy so far",
+    "strain_energy": "part of the work is dissipated by softening; use profile_work",
+    "friction_work": "softening dissipates energy, too; profile_work over a closed cycle includes "
+    "both",
+    "leak_rate": "it needs a constant modulus of the rubber, but the modulus depends on the "
+    "largest energy so far",
 }
 """Types of measures that a softening body does not have, and why."""
 
@@ -57,8 +59,8 @@ def check_softening(file) -> None:
         where = f"[material.{name}.softening]"
         if not is_isochoric(file.materials[name]):
             raise SealFileError(
-                f"{where}: softening is that of nearly incompressible rubber, whose isochoric energy "
-                "has a factor; this law is compressible; leave softening out"
+                f"{where}: softening is available for nearly incompressible laws only, but this "
+                "law is compressible; leave softening out"
             )
         relaxing = [n for n, own in file.material_tables.items() if own.viscoelastic is not None]
         if relaxing:
@@ -68,12 +70,12 @@ def check_softening(file) -> None:
             )
         if file.model.axial_stretch is not None:
             raise SealFileError(
-                f"{where}: softening is available in plane strain and in bodies of revolution, without "
-                "an axial_stretch; leave out either"
+                f"{where}: softening cannot be combined with axial_stretch; leave out either"
             )
     for place, measure in enumerate(file.measures, 1):
         if softening and measure.type in _WITHOUT_HISTORY:
             raise SealFileError(
-                f"[[measure]] {place}: {measure.type} is not known of materials that soften "
-                f"([material.{softening[0]}.softening]): {_WITHOUT_HISTORY[measure.type]}; leave it out"
+                f"[[measure]] {place}: {measure.type} is not available with softening "
+                f"([material.{softening[0]}.softening]): {_WITHOUT_HISTORY[measure.type]}; leave "
+                "it out"
             )

@@ -32,11 +32,13 @@ def read_target(path: Path) -> tuple[tuple, tuple]:
         for where, line in filled_lines(path, SealFileError)
     ]
     if not filled or sorted(filled[0][1]) != sorted(COLUMNS):
-        raise SealFileError(f"{path}: the first line must be the columns {','.join(COLUMNS)}")
+        raise SealFileError(f"{path}: the first line must name the columns {','.join(COLUMNS)}")
     columns = filled[0][1]
     rows = [_reading(*own) for own in filled[1:]]
     if not 1 <= len(rows) <= MOST_READINGS:
-        raise SealFileError(f"{path}: {len(rows)} readings; it needs 1 to {MOST_READINGS}")
+        raise SealFileError(
+            f"{path}: the file has {len(rows)} readings, but must have 1 to {MOST_READINGS}"
+        )
     found = dict(zip(columns, zip(*rows, strict=True), strict=True))
     return found[COLUMNS[0]], found[COLUMNS[1]]
 
@@ -50,6 +52,6 @@ def _reading(where: str, cells: list[str]) -> list[float]:
         numbers = []
     if len(numbers) != len(COLUMNS) or not np.isfinite(numbers).all():
         raise SealFileError(
-            f"{where}: must be two numbers separated by a comma; decimals need a point"
+            f"{where}: the line must have two numbers separated by a comma, with decimal points"
         )
     return numbers

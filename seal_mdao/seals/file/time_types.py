@@ -29,8 +29,8 @@ class RetainedForceTable(ReactionTable):
         given = self.stage if self.time is None else self.time
         if not isinstance(given, tuple) or len(given) != 2:
             raise ValueError(
-                "stage or time must be two, such as stage = [1, 2]: the force at the end of stage 2 "
-                "over that at the end of stage 1"
+                "stage or time must have two numbers, such as stage = [1, 2] for the force at the "
+                "end of stage 2 relative to that at the end of stage 1"
             )
         return self
 
@@ -52,13 +52,15 @@ class TimeToForceFractionTable(ReactionTable):
     def check(self, where, file):
         if not relaxes(file):
             raise SealFileError(
-                f"{where}: {self.type} needs a material that relaxes ([material.NAME.viscoelastic])"
+                f"{where}: {self.type} needs a viscoelastic material; add "
+                "[material.NAME.viscoelastic], or leave the measure out"
             )
         super().check(where, file)
         if self.stage == len(file.stages) or not dwells(file, self.stage):
             raise SealFileError(
-                f"{where}: stage = {self.stage}, but no dwell follows it, a stage in which nothing "
-                "moves, heats or presses; give the number of the stage before a dwell"
+                f"{where}: stage = {self.stage}, but the next stage is not a dwell (a stage in "
+                "which neither profiles nor temperature nor fluid pressure change); give the "
+                "number of the stage before a dwell"
             )
 
 
@@ -79,5 +81,6 @@ class CompressionSetTable(MeasureTable):
         if self.stage >= stages:
             raise SealFileError(
                 f"{where}: stage = {self.stage}, but the path has {stages} "
-                f"stage{'s' if stages > 1 else ''}, and the set is what is left after a later one"
+                f"stage{'s' if stages > 1 else ''}, and compression set needs a later stage after "
+                "it"
             )

@@ -79,13 +79,15 @@ class ToleranceTable(Table):
             raise PydanticCustomError(FORM, "{allowed}", {"allowed": allowed})
         for name in given:
             if not name.strip() or not name.isprintable():
-                raise ValueError(f"{formatted(name)} is no name; use printable characters")
+                raise ValueError(f"{formatted(name)} is not a valid name; use printable characters")
         return given
 
     @model_validator(mode="after")
     def _something_varies(self):
         if not self.vary and self.boundary is None:
-            raise ValueError("nothing varies; write [vary.name] for a parameter, or [boundary]")
+            raise ValueError(
+                "no tolerance is given; add [vary.NAME] for a parameter, or [boundary]"
+            )
         return self
 
     def check(self, where: str, seal: Seal) -> None:
@@ -110,8 +112,8 @@ class ToleranceTable(Table):
                 # 0 n = 0: nothing would vary
                 if own.kind == FACTOR and seal.scalars[parameter].value == 0.0:
                     raise SealFileError(
-                        f'{place}: kind = "factor", but {parameter} is zero and a factor leaves it so; '
-                        'take kind = "shift"'
+                        f'{place}: kind = "factor" has no effect on {parameter}, which is zero; '
+                        'use kind = "shift"'
                     )
                 if own.kind is None:
                     _check_replaced(place, own.law, parameter, seal.scalars[parameter])
@@ -123,7 +125,7 @@ def _check_replaced(where: str, law, name: str, scalar) -> None:
     if low <= scalar.value <= high:
         return
     raise SealFileError(
-        f"{where}: numbers from {low:.4g} to {high:.4g} would take the place of {name} = "
-        f"{scalar.value:.4g}, which is not among them; say what they are: kind = "
-        '"shift" (they are added to it), "factor" (they multiply it) or "value" (they replace it)'
+        f"{where}: numbers from {low:.4g} to {high:.4g} would replace {name} = {scalar.value:.4g}, "
+        'which is outside of this range; give kind = "shift" (added to the present value), '
+        '"factor" (multiplies it) or "value" (replaces it)'
     )

@@ -21,9 +21,9 @@ LONGEST = 1e12
 """Longest time, s."""
 Reference = number("degC", above=ABSOLUTE_ZERO, most=HOTTEST)
 _WITHOUT_TIME = {
-    "strain_energy": "the energy that relaxing rubber stores is not known from its stress alone",
-    "friction_work": "relaxing rubber dissipates, too",
-    "leak_rate": "it takes the modulus of the rubber, which depends on the time",
+    "strain_energy": "the stored energy of viscoelastic rubber cannot be computed from its stress",
+    "friction_work": "viscoelastic rubber dissipates energy, too",
+    "leak_rate": "it needs a constant modulus of the rubber, but the modulus depends on time",
 }
 """Types of measures that a relaxing body does not have, and why."""
 
@@ -74,7 +74,10 @@ class ViscoelasticTable(Table):
     @model_validator(mode="after")
     def _possible(self):
         if self.wlf is not None and self.arrhenius is not None:
-            raise ValueError("wlf and arrhenius are two laws of one shift; give one of them")
+            raise ValueError(
+                "wlf and arrhenius are given together, but are two laws of the same shift; use one "
+                "of them"
+            )
         # refuses parts and times that do not belong together
         self.made()
         return self
@@ -166,8 +169,8 @@ def check_relaxation(file) -> None:
         kind = "wlf" if given.wlf is not None else "arrhenius"
         if getattr(given, kind) is not None and file.model.temperature is None:
             raise SealFileError(
-                f"{where}: {kind} shifts the relaxation times with the temperature, but [model] has no "
-                "temperature; give it, or leave out the shift"
+                f"{where}: {kind} has no effect, because [model] has no temperature; add "
+                f"temperature to [model], or leave out {kind}"
             )
         _check_shift(file, where, given)
     if not relaxes(file):
@@ -176,13 +179,13 @@ def check_relaxation(file) -> None:
     _check_times(file, relaxing)
     if file.model.axial_stretch is not None:
         raise SealFileError(
-            f"[material.{relaxing}.viscoelastic]: relaxation is known in plane strain and in bodies of "
-            "revolution, without an axial_stretch; leave out either"
+            f"[material.{relaxing}.viscoelastic]: relaxation cannot be combined with "
+            "axial_stretch; leave out either"
         )
     for place, measure in enumerate(file.measures, 1):
         if measure.type in _WITHOUT_TIME:
             raise SealFileError(
-                f"[[measure]] {place}: {measure.type} is not known of relaxing materials: "
+                f"[[measure]] {place}: {measure.type} is not available with relaxation: "
                 f"{_WITHOUT_TIME[measure.type]}; leave it out"
             )
 
@@ -208,11 +211,11 @@ def _check_times(file, relaxing: str) -> None:
                 where = f"[[{kind}]] {i} ({own.name!r}): [[{kind}.stage]] {k}"
                 if own is first and stage.duration is None:
                     raise SealFileError(
-                        f"{where} has no duration, but [material.{relaxing}] relaxes "
-                        "([material.NAME.viscoelastic]): give every stage the time (s) that it takes"
+                        f"{where} has no duration, but [material.{relaxing}] is viscoelastic; give "
+                        "every stage a duration (s)"
                     )
                 if own is not first and stage.duration is not None:
                     raise SealFileError(
-                        f"{where} has a duration, but the times are those of the stages of "
-                        f"{first.name!r}; omit it"
+                        f"{where} has a duration, but the stages of {first.name!r} already define "
+                        "the times; leave it out"
                     )

@@ -86,8 +86,8 @@ class Arc(_Round):
         require(self.radius > 0.0, f"the radius of an arc must be positive, got {self.radius:g}")
         require(
             0.0 < abs(self.sweep) < 2.0 * np.pi,
-            f"an arc must sweep more than nothing and less than a whole turn, got "
-            f"{np.degrees(self.sweep):g} degrees; use a circle for a whole turn",
+            "the angle of an arc must be between 0 and 360 degrees, got "
+            f"{np.degrees(self.sweep):g}; use a circle for a full turn",
         )
 
     @classmethod
@@ -105,14 +105,17 @@ class Arc(_Round):
         )
         for p, q, names in ((a, b, "start and through"), (b, c, "through and end"),
                             (a, c, "start and end")):  # fmt: skip
-            require((p != q).any(), f"{names} of an arc coincide at {pair(p)}")
+            require(
+                (p != q).any(),
+                f"{names} of an arc coincide at {pair(p)}; give three different points",
+            )
         u, v = b - a, c - a
         # twice the area of the triangle over the square of its longest side: flatness
         cross = u[0] * v[1] - u[1] * v[0]
         longest = max(u @ u, v @ v, (c - b) @ (c - b))
         require(
             abs(cross) > COLLINEAR * longest,
-            f"start {pair(a)}, through {pair(b)} and end {pair(c)} of an arc lie on one line; use a "
+            f"start {pair(a)}, through {pair(b)} and end {pair(c)} of an arc are collinear; use a "
             "line",
         )
         # circumcentre c - a = (v_y u.u - u_y v.v, u_x v.v - v_x u.u) / (2 u x v)

@@ -37,17 +37,17 @@ def segments_of(degree: int, knots, control, weights, edge: str) -> list:
             f"{knots.size}"
         )
     if not (np.isfinite(knots).all() and np.isfinite(control).all()):
-        raise GeometryError("a knot or a control point of a spline is not a finite number")
+        raise GeometryError("a knot or a control point of a spline is not finite")
     if not (np.diff(knots) >= 0.0).all():
-        raise GeometryError("the knots of a spline decrease")
+        raise GeometryError("the knots of a spline must not decrease")
     if not knots[-degree - 1] > knots[degree]:
-        raise GeometryError("the knots of a spline leave it no length")
+        raise GeometryError("the spline has zero length, because its knots coincide")
     try:
         curve = _Curve(degree, knots, control, weights)
     except GeometryError:
         raise
     except ValueError as error:  # knots repeated until the curve falls apart
-        raise GeometryError(f"not a curve: {error}") from None
+        raise GeometryError(f"the spline is not a continuous curve: {error}") from None
     # lines of degree one, else a cubic spline for every stretch of continuous curvature
     parts = []
     for stretch in curve.stretches():
@@ -112,7 +112,10 @@ class _Curve:
             if np.abs(fit(between) - self.at(between)).max() <= 0.5 * FIT:
                 break
             if u.size > _MOST_PIECES:
-                raise GeometryError(f"a rational spline cannot be followed to {FIT:g} mm")
+                raise GeometryError(
+                    f"a rational spline cannot be approximated within {FIT:g} mm; replace it by "
+                    "arcs or a polynomial spline"
+                )
             u = np.sort(np.concatenate([u, 0.5 * (u[1:] + u[:-1])]))
         return Spline(tuple(map(tuple, points.tolist())), edge, tuple(u), tuple(map(tuple, ends)))
 

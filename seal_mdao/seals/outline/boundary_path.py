@@ -59,8 +59,8 @@ def stretches(boundaries) -> dict:
                 sides = np.roll(sides, -int(gap[0]) - 1)
             if name in found or (np.diff(sides) % edges.size != 1).any():
                 raise ValueError(
-                    f"the edge {name!r} is not one connected part of the boundary; give its second part "
-                    "a name of its own"
+                    f"the edge {name!r} is not one connected part of the boundary; give its second "
+                    "part a different name"
                 )
             found[name] = Stretch(loop, np.append(sides, (sides[-1] + 1) % edges.size), False)
     return found

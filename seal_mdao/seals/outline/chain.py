@@ -61,7 +61,9 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         ahead, back = one.tangents([1.0])[0], -other.tangents([0.0])[0]
         angle = np.arctan2(abs(ahead[0] * back[1] - ahead[1] * back[0]), ahead @ back)
         if angle < FOLDED:
-            raise GeometryError(f"{where} fold back on each other at {pair(one.end)}")
+            raise GeometryError(
+                f"{where} fold back on each other at {pair(one.end)}; remove the overlapping one"
+            )
     return _joined(tuple(segments), join, closed)
 
 
@@ -69,8 +71,9 @@ def check_count(count: int) -> None:
     """Raise GeometryError for more segments than ``MOST_SEGMENTS``."""
     if count > MOST_SEGMENTS:
         raise GeometryError(
-            f"{count} segments (lines, arcs, splines), but at most {MOST_SEGMENTS} are read; draw the "
-            "section with fewer and longer ones, or leave out layers that are not its boundary"
+            f"{count} segments (lines, arcs, splines) are more than the limit of {MOST_SEGMENTS}; "
+            "draw the section with fewer and longer ones, or ignore layers that are not its "
+            "boundary"
         )
 
 
@@ -115,12 +118,17 @@ def _joint(one: Segment, other: Segment, join: float) -> np.ndarray:
 def _check_segment(number, segment, join, alone) -> None:
     """Refuse what is no segment, has no edge, or is a circle among others."""
     if not isinstance(segment, Segment):
-        raise GeometryError(f"segment {number} must be a line, arc, circle or spline: {segment!r}")
+        raise GeometryError(
+            f"segment {number} must be a line, arc, circle or spline, got {segment!r}"
+        )
     where = f"segment {number} (edge {segment.edge!r})"
     if not isinstance(segment.edge, str) or not segment.edge:
         raise GeometryError(f"segment {number} needs the name of its edge, got {segment.edge!r}")
     if isinstance(segment, Circle) and not alone:
-        raise GeometryError(f"{where} is a circle; a circle is a contour of its own")
+        raise GeometryError(
+            f"{where} is a circle, which must be the only segment of a contour; use arcs to "
+            "connect other segments"
+        )
 
 
 def _check_length(number, segment, join, segments) -> None:
@@ -131,7 +139,7 @@ def _check_length(number, segment, join, segments) -> None:
     points = np.concatenate([own.points([0.0, 0.5, 1.0]) for own in segments])
     size = float(np.ptp(points, axis=0).max())
     unit = (
-        f"; all segments together are only {size:.3g} mm in size: lengths are in mm, are these in "
+        f"; the complete contour is only {size:.3g} mm in size; lengths are in mm, are these in "
         "metres?"
         if size < USUAL[0]
         else ""
@@ -188,8 +196,8 @@ def _check_nodes(ends, at, names) -> None:
         if len(numbers) > 2:
             which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
             raise GeometryError(
-                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; a contour has two "
-                "(is a piece drawn twice?)"
+                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; in a contour "
+                "exactly two ends meet (is a segment drawn twice?)"
             )
     # an end that meets no other, and the nearest one of these
     loose = [numbers[0] for numbers in at.values() if len(numbers) == 1]

@@ -114,7 +114,9 @@ def _mesh(path):
     except GeometryError:
         raise
     except (Exception, SystemExit) as error:  # meshio leaves the program at some files
-        raise GeometryError(f"not a mesh that can be read ({reason_of(error)})") from None
+        raise GeometryError(
+            f"the mesh cannot be read ({reason_of(error)}); check the format of the file"
+        ) from None
 
 
 def _require_one_file(path) -> None:
@@ -122,7 +124,10 @@ def _require_one_file(path) -> None:
     # XDMF has its arrays beside it, Abaqus may include files
     content = read_bytes(path) if path.suffix.lower() == ABAQUS else b""
     if path.suffix.lower() in XDMF or b"include" in content.lower().replace(b"*", b""):
-        raise GeometryError("names further files of its mesh; write it as one file, such as VTU")
+        raise GeometryError(
+            "the mesh refers to other files, which are not read; save it as a single file, such as "
+            "VTU"
+        )
     require_ordinary(path)
 
 
@@ -135,9 +140,12 @@ def _cells(mesh):
             data = np.asarray(block.data, int)
             found.append(np.column_stack([data, data[:, -1]]) if data.shape[1] == 3 else data)
         elif block.type not in ("line", "vertex"):
-            raise GeometryError(f"has cells of the kind {block.type!r}; use quad and triangle")
+            raise GeometryError(
+                f"the mesh has cells of the type {block.type!r}, but only quad and triangle are "
+                "supported"
+            )
     if not found:
-        raise GeometryError("has no quadrilaterals and no triangles")
+        raise GeometryError("the mesh has neither quadrilaterals nor triangles")
     cells, points = np.concatenate(found), np.asarray(mesh.points, float)[:, :2]
     # points without a cell are dropped, the others renumbered in their order
     used, cells = np.unique(cells, return_inverse=True)
@@ -162,7 +170,10 @@ def _loops(cells) -> list[np.ndarray]:
     for a, b in every:
         # a directed side without its opposite is on the boundary; two from one particle: touching parts
         if (b, a) not in every and following.setdefault(a, b) != b:
-            raise GeometryError("parts of the boundary of its cells touch in a point")
+            raise GeometryError(
+                "two parts of the boundary of the mesh touch in a point; separate them or connect "
+                "them along a side"
+            )
     # follow the sides from the least particle until the loop closes
     loops = []
     while following:
@@ -179,7 +190,8 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
     """Match loops to the contours of the section; return loops and boundaries in their order."""
     if len(loops) != len(outline.contours):
         raise GeometryError(
-            f"closed boundaries: {len(loops)} in the cells, {len(outline.contours)} in the section"
+            f"the mesh has {len(loops)} closed boundaries, but the section has "
+            f"{len(outline.contours)}; both must have the same outline and holes"
         )
     found, boundaries = [], []
     for contour in outline.contours:
@@ -191,7 +203,10 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
         found.append(loop[order])
         boundaries.append(boundary)
     if polygon_area(particles[found[0]])[0] <= 0.0:
-        raise GeometryError("its outside is not that of the section")
+        raise GeometryError(
+            "the outer boundary of the mesh does not match the outer contour of the section; use "
+            "the mesh of this section"
+        )
     return tuple(found), tuple(boundaries)
 
 
@@ -200,16 +215,20 @@ def _kernels(mesh) -> Kernels:
     # one basis, one size of columns and one rule for all cells
     order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
     if order.min() != order.max() or order[0] not in BASIS_SIZE:
-        raise GeometryError(f"{BASIS} of its cells must be 1 or 2, the same for all")
+        raise GeometryError(f"the cell data {BASIS} must be 1 or 2, the same for all cells")
     size = np.count_nonzero(column == column[0])
     # equal columns of consecutive cells, as ``Body.column`` needs them
     if len(column) % size or np.any(column != np.repeat(column[::size], size)):
-        raise GeometryError(f"its cells of one {COLUMN} must follow each other, as many in each")
+        raise GeometryError(
+            f"the cells of one {COLUMN} must be consecutive, with the same number of cells in "
+            "every column"
+        )
     gauss = _of_cells(mesh, GAUSS, 2).reshape(len(order), -1)
     low, high = GAUSS_POINTS
     if gauss.shape[1] > 2 or np.any((gauss != gauss[0]) | (gauss < low) | (gauss > high)):
         raise GeometryError(
-            f"{GAUSS} of its cells must be one number or two from {low} to {high}, the same for all"
+            f"the cell data {GAUSS} must be one or two numbers from {low} to {high}, the same for "
+            "all cells"
         )
     return Kernels(
         basis_order=int(order[0]), column=int(size), n_gauss=in_both_directions(gauss[0])

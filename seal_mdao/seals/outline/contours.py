@@ -120,7 +120,9 @@ class Outline:
         holes = self.holes if isinstance(self.holes, tuple | list) else (self.holes,)
         for contour in (self.outer, *holes, *self.others):
             if not isinstance(contour, Contour):
-                raise GeometryError(f"a section is made of contours, got {contour!r}")
+                raise GeometryError(
+                    f"a section must consist of contours (Contour), got {contour!r}"
+                )
         # clockwise: area < 0
         holes = tuple(hole.reversed() if hole.area > 0.0 else hole for hole in holes)
         # frozen dataclass: normalised contours replace those given
@@ -133,8 +135,8 @@ class Outline:
         for contour, title in zip(self.contours, self.titles, strict=True):
             if contour.area < 0.0 and contour not in self.holes:
                 raise GeometryError(
-                    f"{title} (edges {', '.join(contour.edge_names)}) is walked clockwise; "
-                    "walk it counter-clockwise, the material on the left"
+                    f"{title} (edges {', '.join(contour.edge_names)}) is walked clockwise; reverse "
+                    "its direction, so that the material lies on the left"
                 )
         check_nested(labelled, self.titles, len(self.holes))
 
@@ -236,7 +238,7 @@ class Outline:
                     )
                     raise GeometryError(
                         f"the edge {name!r} is {places}; an edge is one connected part of the "
-                        "boundary: give the second part a name of its own (in a drawing, a layer of its "
-                        "own)"
+                        "boundary: give the second part a different name (in a drawing, a "
+                        "different layer)"
                     )
                 seen[name] = where

@@ -38,7 +38,9 @@ def check_apart(contours, titles, distance: float) -> None:
     if contour[a] == contour[b]:
         what = f"itself (edge {names[b]!r})"
     at = shapely.get_coordinates(shapely.shortest_line(sides[a], sides[b]))[0]
-    raise GeometryError(f"{titles[contour[a]]}, edge {names[a]!r}, {kind} {what} at {pair(at)}")
+    raise GeometryError(
+        f"{titles[contour[a]]}, edge {names[a]!r}, {kind} {what} at {pair(at)}; separate them"
+    )
 
 
 def _only_around_a_corner(sides, one, other, before, distance):
@@ -61,11 +63,14 @@ def check_nested(contours, titles, n_holes: int) -> None:
         where = f"{titles[i]} (edge {contours[i][2][0]!r}, at {pair(contours[i][0][0])})"
         if i in holes and around is None:
             raise GeometryError(
-                f"{where} lies outside of {'every body' if several else 'the outer contour'}"
+                f"{where} lies outside of {'every body' if several else 'the outer contour'}; move "
+                "it inside"
             )
         # contours alternate inwards: body, hole, body in the hole, ...
         if around is not None and (i in holes) == (around in holes):
-            raise GeometryError(f"{where} lies inside of {titles[around]}")
+            raise GeometryError(
+                f"{where} lies inside of {titles[around]}; move one of them, or remove it"
+            )
 
 
 def nearest_around(loops) -> list:

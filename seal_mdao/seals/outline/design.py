@@ -66,8 +66,10 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
 def _require_free(name, supports) -> None:
     """Refuse a designed edge that is supported."""
     if name in supports:
-        what = "is fixed" if len(supports[name]) == 2 else "is in a plane"
-        raise ValueError(f"design: the edge {name!r} {what}")
+        what = "is fixed" if len(supports[name]) == 2 else "is in a plane of symmetry"
+        raise ValueError(
+            f"design: the edge {name!r} {what}, so it cannot move; choose another edge"
+        )
 
 
 def _require_supported(sampled, columns, supports) -> None:
@@ -78,7 +80,10 @@ def _require_supported(sampled, columns, supports) -> None:
         which = which if len(components) == 2 else which[[0, -1]]
         if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
             what = "is fixed" if len(components) == 2 else "stays in its plane"
-            raise ValueError(f"design: it would move the edge {name!r}, which {what}")
+            raise ValueError(
+                f"design: it would move the edge {name!r}, which {what}; choose edges or vertices "
+                "away from it"
+            )
 
 
 def _slide(velocity, points, along, component) -> None:

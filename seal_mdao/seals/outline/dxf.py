@@ -56,7 +56,7 @@ class Drawing(NamedTuple):
             return ""
         layers = ", ".join(f"{name!r} ({count})" for name, count in self.left_out.items())
         count, several = sum(self.left_out.values()), "s" * (len(self.left_out) > 1)
-        return f"left out of the drawing: {count} entities on layer{several} {layers}"
+        return f"ignored in the drawing: {count} entities on layer{several} {layers}"
 
 
 def read_dxf(path, units: str | None = None) -> Outline:
@@ -146,7 +146,7 @@ def _check_layers(document, **wanted) -> None:
         for name in names:
             if name.casefold() not in every:
                 raise GeometryError(
-                    f"{key} = {name!r}, but there is no such layer; there are "
+                    f"{key} = {name!r}, but there is no such layer; the layers are "
                     + ", ".join(every.values())
                 )
 
@@ -156,7 +156,8 @@ def _outline_of(pieces, layers) -> Outline:
     check_count(len(pieces))
     if not pieces:
         raise GeometryError(
-            "nothing is drawn in the model space on a layer that is on, besides annotation"
+            "nothing is drawn in the model space on visible layers, except annotation; move the "
+            "section to the model space and switch its layer on"
         )
     segments, names = zip(*pieces, strict=True)
     try:
@@ -292,7 +293,7 @@ def _document(path):
     except Exception as error:  # ezdxf raises errors of many kinds at damaged files
         foreign = isinstance(error, OSError) and not error.strerror
         reason = "it is not a DXF file" if foreign else reason_of(error)
-    raise GeometryError(f"{path}: not a drawing that can be read ({reason})")
+    raise GeometryError(f"{path}: the drawing cannot be read ({reason}); save it as DXF again")
 
 
 def _units(document, wanted) -> str:
@@ -304,15 +305,19 @@ def _units(document, wanted) -> str:
     if code == 0 and wanted is None:
         raise GeometryError(
             "the drawing has no units ($INSUNITS in its header is missing or 0); set them in the "
-            f"drawing, or say units (--units of the command) = one of {', '.join(MODEL_UNITS)}"
+            "drawing, or give units in [section] (--units of the command), one of "
+            f"{', '.join(MODEL_UNITS)}"
         )
     if code == 0:
         return wanted
     if code not in UNITS:
         raise GeometryError(
-            f"the drawing's units ($INSUNITS = {code}) are not known here; use one of "
+            f"the units of the drawing ($INSUNITS = {code}) are not supported; use one of "
             + ", ".join(f"{number} ({name})" for number, name in UNITS.items())
         )
     if wanted not in (None, UNITS[code]):
-        raise GeometryError(f"units = {wanted!r}, but the drawing's header says {UNITS[code]}")
+        raise GeometryError(
+            f"units = {wanted!r} contradicts the header of the drawing ($INSUNITS: {UNITS[code]}); "
+            "leave units out, or correct the drawing"
+        )
     return UNITS[code]

@@ -26,8 +26,8 @@ def layer_name(name: str) -> str:
     forbidden = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
     if forbidden:
         raise GeometryError(
-            f"the name {name!r} has the character {forbidden[0]!r}, which no layer of a drawing (DXF) "
-            f"may have; leave out {' '.join(FORBIDDEN)} and control characters"
+            f"the name {name!r} has the character {forbidden[0]!r}, which is not allowed in the "
+            f"name of a DXF layer; avoid {' '.join(FORBIDDEN)} and control characters"
         )
     return name
 
@@ -52,8 +52,8 @@ def _segments(placed, scale) -> list:
     entity, kind = placed.entity, placed.entity.dxftype()
     if kind not in _READERS:
         raise GeometryError(
-            f"entities of this kind are not read, only {', '.join(_READERS)}; explode it, or name its "
-            "layer in ignore of [section]"
+            f"entities of this kind are not read, only {', '.join(_READERS)}; explode the entity, "
+            "or name its layer in ignore of [section]"
         )
     # these have their own plane; lines, splines and ellipses are in the coordinates of the drawing
     if kind in ("ARC", "CIRCLE", "LWPOLYLINE") or (kind == "POLYLINE" and entity.is_2d_polyline):
@@ -73,14 +73,20 @@ def _check_normal(entity) -> None:
     # n = (0, 0, 1) or (0, 0, -1) up to rounding
     normal = np.array(entity.dxf.extrusion)
     if np.abs(np.abs(normal) - [0.0, 0.0, 1.0]).max() > _LEVEL:
-        raise GeometryError(f"it does not lie in the plane of the drawing (normal {tuple(normal)})")
+        raise GeometryError(
+            f"the entity does not lie in the plane of the drawing (normal {tuple(normal)}); rotate "
+            "it into the x-y plane"
+        )
 
 
 def _planar(points, scale) -> np.ndarray:
     """Convert points (n, 3) in a plane z = const to (n, 2), mm."""
     points = np.array([tuple(point) for point in points], float)
     if np.ptp(points[:, 2]) > _LEVEL * (1.0 + np.abs(points).max()):
-        raise GeometryError("it does not lie in the plane of the drawing: its z changes")
+        raise GeometryError(
+            "the entity does not lie in the plane of the drawing, because its z coordinate varies; "
+            "flatten it"
+        )
     return scale * points[:, :2]
 
 
@@ -113,7 +119,10 @@ def _light_polyline(entity, scale, edge):
 def _old_polyline(entity, scale, edge):
     """Convert a POLYLINE, the only kind of polyline of R12, with the vertices of its curve."""
     if not (entity.is_2d_polyline or entity.is_3d_polyline):
-        raise GeometryError("it is a mesh, not a polyline")
+        raise GeometryError(
+            "the entity is a mesh, not a polyline; draw the boundary with lines, arcs, polylines "
+            "or splines"
+        )
     # control points of a curve that was fitted are no points of it
     own = [vertex for vertex in entity.vertices if not vertex.dxf.flags & FRAME]
     if own:

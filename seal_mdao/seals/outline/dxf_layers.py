@@ -113,7 +113,10 @@ def _resolved(document, placed: Placed, depth: int):
         return
     block = entity.dxf.get("name", "")
     if depth > DEEPEST:
-        raise GeometryError(f"{placed.name}: the block {block!r} contains itself")
+        raise GeometryError(
+            f"{placed.name}: the block {block!r} contains itself; explode it or remove the inner "
+            "insert"
+        )
     # attributes belong to the reference; rows and columns of one reference are single ones
     yield from (Placed(own, placed.layer, placed.name, True) for own in entity.attribs)
     for single in entity.multi_insert() if entity.mcount > 1 else [entity]:

@@ -25,7 +25,10 @@ def _netgen():
     try:
         return import_module("netgen.geom2d")
     except ImportError as error:
-        message = "clouds of particles need netgen-mesher, which is not installed: pip install "
+        message = (
+            "filling a section with particles needs netgen-mesher, which is not installed: pip "
+            "install "
+        )
         raise ImportError(message + "seal_mdao[mesh]") from error
 
 
@@ -89,8 +92,8 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
             return Triangles(points, triangles, _parts(triangles, divided))
     x, y = points[min(lost)[0]]
     raise GeometryError(
-        f"the mesher divides the boundary near ({x:.4g}, {y:.4g}): its sides there are much longer "
-        "than those beside them; let the spacing change more slowly"
+        f"the sides of the boundary near ({x:.4g}, {y:.4g}) are much longer than their neighbours; "
+        "let the spacing change more gradually (edge_spacing)"
     )
 
 
@@ -99,7 +102,7 @@ def _append_cut(geometry, cut, given, every, size):
     away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
     first, last = (every[int(a.argmin())] for a in away)
     if max(a.min() for a in away) > ON_LOOP or first == last:
-        raise GeometryError("a cut must lead from one point of the boundary to another")
+        raise GeometryError("a cut must connect two different points of the boundary")
     between = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[1:-1]]
     for a, b in pairwise([first, *between, last]):
         geometry.Append(["line", a, b], leftdomain=1, rightdomain=1, maxh=float(size))
@@ -109,7 +112,10 @@ def _generated(geometry, size, grading, n_sides):
     try:
         mesh = geometry.GenerateMesh(maxh=float(size), grading=grading)
     except Exception as error:  # whatever the library throws
-        raise GeometryError(f"the section cannot be filled with triangles: {error}") from error
+        raise GeometryError(
+            f"the section cannot be filled with triangles ({error}); simplify the boundary or "
+            "change the spacing"
+        ) from error
     # numbers of Netgen start from 1; boundary indices beyond ``n_sides`` belong to cuts
     points = np.array([tuple(point.p)[:2] for point in mesh.Points()])
     triangles = np.array([[v.nr - 1 for v in cell.vertices] for cell in mesh.Elements2D()], int)
@@ -134,7 +140,7 @@ def _parts(triangles, divided) -> np.ndarray:
 def _lost(points, triangles, given, sides) -> set:
     """Find the sides at which the boundary of the triangles and the loops differ."""
     if len(points) < len(given) or not np.array_equal(points[: len(given)], given):
-        raise GeometryError("the mesher has moved points of the boundary")
+        raise GeometryError("the mesher has moved points of the boundary; change the spacing")
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     known = set(map(tuple, ends.tolist()))
     # a directed side without its opposite is on the boundary

@@ -87,8 +87,8 @@ class OffsetDesign:
             return {name: _folded(part, own)}
         if self.between is None and self._part(sampled, image).left_out != part.left_out[::-1]:
             raise ValueError(
-                f"design: the edges {name!r} and {image!r} are mirror images, but only one "
-                "of them has a fixed end there"
+                f"design: the edges {name!r} and {image!r} are mirror images, but only one of them "
+                "has a fixed end; fix both neighbours, or neither"
             )
         # the offset at s of the image is that at c - s of the edge
         other = _basis(part, path, self.parameters, c - mirrored.along).T
@@ -113,8 +113,8 @@ class OffsetDesign:
             last = first + (last - first) % path.length
         if last - first <= SAME:
             raise ValueError(
-                f"design: the edge {name!r} is walked from {pair(self.between[1])} to "
-                f"{pair(self.between[0])}; give the points of between in that order"
+                f"design: the edge {name!r} runs from {pair(self.between[1])} to "
+                f"{pair(self.between[0])}; give the points of between in this order"
             )
         # at an end of the edge as without between, else value and slope are zero
         ends = (first <= SAME, last >= path.length - SAME)
@@ -143,7 +143,7 @@ def _image(sampled, name: str, plane: MirrorPlane) -> tuple[str, float]:
             return other, c
     raise ValueError(
         f"design: no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = "
-        f"{plane.at:g}; let an edge be its own image, or another one"
+        f"{plane.at:g}; draw the section symmetric to this plane, or leave symmetric out"
     )
 
 
@@ -160,7 +160,10 @@ def _folded(part: _Part, own) -> np.ndarray:
     """Add the B-splines that are mirror images of each other, shape ((n + 1) // 2 or so, K)."""
     count = len(own)
     if part.left_out[0] != part.left_out[1]:
-        raise ValueError(f"design: the ends of the edge {part.name!r} are not constrained alike")
+        raise ValueError(
+            f"design: one end of the edge {part.name!r} is constrained and the other is free, so "
+            "its design cannot be symmetric; leave symmetric out, or constrain both ends"
+        )
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]
     first = np.flatnonzero(np.arange(count) <= image)
@@ -254,8 +257,8 @@ def _across(sampled, offsets: dict, names, across) -> dict:
         for end in (0, -1):
             if sampled.is_still(sampled.stretches[name], end) and np.abs(own[:, end]).max() > SAME:
                 raise ValueError(
-                    f"design: the edge {name!r} ends at an edge that stays, where it would move with "
-                    "the wall; take a part of the wall (between) that ends before"
+                    f"design: the edge {name!r} ends at an edge that does not move, but would move "
+                    "there with the wall; choose a part of the wall (between) that ends before"
                 )
         found[name] = own
     return found

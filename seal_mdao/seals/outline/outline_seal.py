@@ -141,11 +141,11 @@ class OutlineSeal(Seal):
         # no -0 in the message
         x, y = np.round(wall.place, 6) + 0.0
         return (
-            f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has about "
-            f"{wall.layers} layers of particles across, fewer than {ENOUGH}: forces may be 10 % and "
-            f"more too large, and stresses 20 % and more too small; use more (layers = {ENOUGH} of "
-            f"[section]) or a smaller spacing, and where stress matters twice as many cells across "
-            f"(layers = {2 * ENOUGH - 1}) to see what still changes",
+            f"the wall near x = {x:.3g}, y = {y:.3g} is {wall.thickness:.3g} mm thick and has "
+            f"about {wall.layers} layers of particles across, fewer than {ENOUGH}: forces may be "
+            "too large by 10 % or more, and stresses too small by 20 % or more; use more layers "
+            f"(layers = {ENOUGH} in [section]) or a smaller spacing, and for stresses compare with "
+            f"twice as many cells across (layers = {2 * ENOUGH - 1})",
         )
 
     @property
@@ -270,7 +270,8 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     several = len(seal.definitions[0].regions) > 1
     if several or not isinstance(seal.spacing, int | float):
         raise ValueError(
-            "only a section of one material that is filled by a spacing has other clouds"
+            "only a section with a single material and a spacing can be filled with another cloud "
+            "of particles"
         )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
@@ -299,15 +300,15 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
         if part in parts[:i]:
             one, other = others[i].at, others[parts.index(part)].at
             raise ValueError(
-                f"at = ({one[0]:.4g}, {one[1]:.4g}) is in the part of the section in which "
-                f"({other[0]:.4g}, {other[1]:.4g}) is"
+                f"at = ({one[0]:.4g}, {one[1]:.4g}) and at = ({other[0]:.4g}, {other[1]:.4g}) lie "
+                "in the same part of the section; every region must be a different part"
             )
     # cells of no other region belong to the rest
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
     if not remaining.size:
         raise ValueError(
-            "every part of the section is in a region; leave at least one part to the material of the "
-            "section"
+            "every part of the section is in a [[section.region]]; remove one, whose part then has "
+            "the material of [section]"
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))

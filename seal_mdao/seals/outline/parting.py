@@ -125,8 +125,8 @@ def _chains(segments, names) -> list[tuple]:
         if len(numbers) > 2:
             which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
             raise GeometryError(
-                f"{len(numbers)} ends of parting lines meet at {pair(ends[numbers[0]])}: {which}; a "
-                "parting line leads from one point of the boundary to another without branches"
+                f"{len(numbers)} ends of parting lines meet at {pair(ends[numbers[0]])}: {which}; "
+                "a parting line must connect two points of the boundary without branches"
             )
     found, left = [], set(range(len(segments)))
     # open ends in the order of the file
@@ -143,8 +143,8 @@ def _chains(segments, names) -> list[tuple]:
             found.append((chain, which))
     if left:
         raise GeometryError(
-            f"{names[min(left)]} is part of a closed parting line; a region within another one is not "
-            "possible: lead the line from one point of the boundary to another"
+            f"{names[min(left)]} is part of a closed parting line, but a region cannot lie inside "
+            "another one; draw a line that connects two points of the boundary"
         )
     return found
 
@@ -178,7 +178,8 @@ def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
     distance, s, i, j = min(places)
     if distance > JOIN:
         raise GeometryError(
-            f"{verb} at {pair(point)}, {distance:.3g} mm away from the boundary; let it end there"
+            f"{verb} at {pair(point)}, {distance:.3g} mm away from the boundary; extend it to the "
+            "boundary"
         )
     contours = list(outline.contours)
     segments = contours[i].segments

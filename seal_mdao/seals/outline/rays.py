@@ -60,9 +60,15 @@ def ray_boundaries(outline: Outline, rays: Rays) -> list:
     """
     # an annular wall: one outer contour and one hole
     if len(outline.holes) != 1:
-        raise GeometryError(f"rays need one hole, but the section has {len(outline.holes)}")
+        raise GeometryError(
+            f"rays need a section with exactly one hole, but it has {len(outline.holes)}; use "
+            "spacing instead of rays"
+        )
     if outline.others:
-        raise GeometryError("rays fill one body, but the section has several")
+        raise GeometryError(
+            "rays need a section with a single body, but it has several; use spacing instead of "
+            "rays"
+        )
     return [_boundary(contour, rays, i) for i, contour in enumerate(outline.contours)]
 
 
@@ -75,8 +81,9 @@ def _boundary(contour, rays, hole) -> Boundary:
     radius = np.concatenate([[x for _, x in own] for own in found])
     if sorted(ray % rays.rays) != list(range(rays.rays)):
         raise GeometryError(
-            f"every ray from ({rays.centre[0]:.4g}, {rays.centre[1]:.4g}) must meet every contour once, "
-            f"but that with the edge {contour.edge_names[0]!r} is met otherwise"
+            f"every ray from ({rays.centre[0]:.4g}, {rays.centre[1]:.4g}) must meet every contour "
+            "once, but this does not hold for the contour with the edge "
+            f"{contour.edge_names[0]!r}; move the centre of the rays, or use spacing"
         )
     directions = rays.directions[ray % rays.rays]
     along = turn * np.column_stack([-directions[:, 1], directions[:, 0]])
@@ -105,10 +112,14 @@ def _on_rays(segment, rays, turn) -> list:
     if away.max() > JOIN:
         x, y = segment.points(np.array([0.0, 1.0]))[int(away.argmax())]
         raise GeometryError(
-            f"a segment of the edge {segment.edge!r} ends at ({x:.4g}, {y:.4g}), which is on no ray"
+            f"a segment of the edge {segment.edge!r} ends at ({x:.4g}, {y:.4g}), which lies "
+            "between two rays; change the number of rays, or use spacing"
         )
     if (turn * np.diff(angle) <= -BACK).any():
-        raise GeometryError(f"a ray meets the edge {segment.edge!r} twice")
+        raise GeometryError(
+            f"a ray meets the edge {segment.edge!r} twice; move the centre of the rays, or use "
+            "spacing"
+        )
     found = [(ends[0], radius[0])]
     for ray in range(ends[0] + int(turn), ends[1], int(turn)):
         # the chord k - 1, k brackets the ray

@@ -61,7 +61,10 @@ class SampledBoundary:
         # on the edge within its longest side
         nearest = float(np.diff(path.along).max())
         if away > nearest:
-            raise ValueError(f"design: {pair(point)} is {away:.3g} mm away from the edge {name!r}")
+            raise ValueError(
+                f"design: the point {pair(point)} of between must lie on the edge {name!r}, but is "
+                f"{away:.3g} mm away from it"
+            )
         return s
 
     def pieces(self, loop: int) -> list[np.ndarray]:
@@ -81,13 +84,17 @@ class SampledBoundary:
         corner = [np.asarray(b.corner) & (np.sum(b.corner) > 1) for b in self.boundaries]
         which = np.flatnonzero(np.concatenate(corner))
         if not which.size:
-            raise ValueError(f"design: no vertex is at {pair(at)}; every contour is one segment")
+            raise ValueError(
+                f"design: no vertex is at {pair(at)}, because every contour is a single segment; "
+                "use edges instead of vertex"
+            )
         # nearest vertex, and the loop in which its index lies
         away = np.hypot(*(self.points[which] - np.asarray(at, float)).T)
         index = int(which[away.argmin()])
         if away.min() > within:
             raise ValueError(
-                f"design: no vertex is at {pair(at)}; the nearest one is at {pair(self.points[index])}"
+                f"design: no vertex is at {pair(at)}; the nearest one is at "
+                f"{pair(self.points[index])}"
             )
         loop = int(np.searchsorted(self.starts, index, side="right")) - 1
         return loop, index - int(self.starts[loop])
@@ -112,5 +119,8 @@ class SampledBoundary:
         away, loop, number = min(found)
         piece = self.points[self.starts[loop] + self.pieces(loop)[number]]
         if away > np.hypot(*np.diff(piece, axis=0).T).max():
-            raise ValueError(f"design: {pair(point)} is {away:.3g} mm away from the boundary")
+            raise ValueError(
+                f"design: the point {pair(point)} must lie on the boundary, but is {away:.3g} mm "
+                "away from it"
+            )
         return loop, number

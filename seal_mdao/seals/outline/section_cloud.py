@@ -149,7 +149,8 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
         quadrature_weights(cell_map(cells), particles)
     except GeometryError as error:
         raise GeometryError(
-            f"the boundary bends too much for its spacing ({error}); use a smaller spacing"
+            f"the boundary bends too much for its spacing ({error}); use a smaller spacing or "
+            "edge_spacing"
         ) from error
     ends = np.cumsum([0, *(len(loop) for loop in loops)])
     around = tuple(np.arange(a, b) for a, b in pairwise(ends))
@@ -164,13 +165,14 @@ def _check_loops(loops) -> None:
                 f"loop {number} must have shape (2 k, 2) with k of at least 3, got {loop.shape}"
             )
         if not np.isfinite(loop).all():
-            raise ValueError(f"loop {number} has a coordinate that is not a finite number")
+            raise ValueError(f"loop {number} has a coordinate that is not finite")
     for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
         # a loop directly inside a body is a hole (area < 0), every other one a body (area > 0)
         hole = around is not None and polygon_area(loops[around])[0] > 0.0
         if (polygon_area(loop)[0] > 0.0) == hole:
             raise ValueError(
-                f"loop {number} has the wrong direction: the material must lie on the left"
+                f"loop {number} has the wrong direction; reverse it, so that the material lies on "
+                "the left"
             )
 
 

@@ -134,7 +134,11 @@ class Line(Segment):
 
     def __post_init__(self):
         set_points(self, "first", "last")
-        require(self.first != self.last, f"a line from {pair(self.first)} to itself has no length")
+        require(
+            self.first != self.last,
+            "a line has zero length, because both ends are "
+            f"{pair(self.first)}; give two different points",
+        )
 
     @cached_property
     def length(self) -> float:

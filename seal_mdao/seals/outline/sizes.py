@@ -15,6 +15,7 @@ def unusual_size(extent) -> str:
         return ""
     compared = "larger" if max(extent) > USUAL[1] else "smaller"
     return (
-        f"the section is {width:.4g} mm wide and {height:.4g} mm high, {compared} than those of seals: "
-        "lengths in a seal file are in mm; for a drawing in other units set units of [section]"
+        f"the section is {width:.4g} mm wide and {height:.4g} mm high, {compared} than usual "
+        "seals; lengths in a seal file are in mm, and a drawing in other units needs units in "
+        "[section]"
     )

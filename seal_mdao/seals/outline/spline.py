@@ -53,14 +53,18 @@ class Spline(Segment):
         try:
             count = len(self.through)
         except TypeError:
-            raise GeometryError(f"a spline needs a list of points, got {self.through!r}") from None
+            raise GeometryError(
+                f"a spline needs a list of points [[x, y], ...], got {self.through!r}"
+            ) from None
         points = tuple(point(p, f"point {i} of a spline") for i, p in enumerate(self.through, 1))
         # a closed one without slopes is periodic: three distinct points
         periodic = count > 1 and points[0] == points[-1] and self.slopes is None
         least, closed = (4, " when it is closed") if periodic else (2, "")
         require(count >= least, f"a spline needs at least {least} points{closed}, got {count}")
         for i in range(1, count):
-            message = f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}"
+            message = (
+                f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}; remove one"
+            )
             require(points[i] != points[i - 1], message)
         object.__setattr__(self, "through", points)
         object.__setattr__(self, "parameter", self._checked_parameter())
@@ -75,7 +79,11 @@ class Spline(Segment):
         t = self.curve(u, 1)
         # t_k . t_k+1 <= 0: the tangent reverses, a cusp lies between
         back = np.flatnonzero((t[1:] * t[:-1]).sum(axis=1) <= 0.0)
-        require(back.size == 0, f"a spline has a cusp near {pair(self.curve(u[back[:1].sum()]))}")
+        require(
+            back.size == 0,
+            "a spline has a cusp (its tangent reverses) near "
+            f"{pair(self.curve(u[back[:1].sum()]))}",
+        )
 
     def _checked_parameter(self) -> tuple:
         if not len(self.parameter):

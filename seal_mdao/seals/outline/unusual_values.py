@@ -24,9 +24,9 @@ def unusual_values(body: ElasticBody) -> list[str]:
     temperature = None if body.environment is None else body.environment.temperature
     if temperature is not None and not _within(temperature.value, TEMPERATURE):
         found.append(
-            f"the temperature of {temperature.value:.4g} degrees Celsius is outside of "
-            f"{TEMPERATURE[0]:g} to {TEMPERATURE[1]:g}, where some rubber can be used; temperatures are "
-            "in degrees Celsius, not in kelvin"
+            f"the temperature of {temperature.value:.4g} degrees Celsius is outside of the service "
+            f"range of rubbers, {TEMPERATURE[0]:g} to {TEMPERATURE[1]:g}; temperatures are in "
+            "degrees Celsius, not in kelvin"
         )
     return found
 
@@ -52,13 +52,13 @@ def _of_region(region: Region, environment):
     if environment.temperature is not None and alpha and not _within(alpha, EXPANSION):
         yield (
             f"{what} has an expansion of {alpha:.4g} 1/K, outside of {EXPANSION[0]:g} to "
-            f"{EXPANSION[1]:g}, that of rubber; it is the linear coefficient, a third of that of the "
-            "volume"
+            f"{EXPANSION[1]:g}, the range of rubbers; the linear coefficient is needed, a third of "
+            "the volumetric one"
         )
     if swelling is not None and not _within(swelling.value, SWELLING):
         yield (
             f"{what} has a swelling of {swelling.value:.4g}, outside of {SWELLING[0]:g} to "
-            f"{SWELLING[1]:g}; it is the volume in the liquid over the dry volume: 1.15 for 15 %"
+            f"{SWELLING[1]:g}; swelling is the ratio of swollen to dry volume, 1.15 for 15 %"
         )
 
 

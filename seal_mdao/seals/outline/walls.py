@@ -15,13 +15,13 @@ def fault_of_wall(outline, edges, opposite) -> str:
     lines = [_lines(outline, names) for names in (edges, opposite)]
     shortest = shapely.shortest_line(*lines)
     if shapely.length(shortest) <= MEETING * outline.size:
-        return "meet; name edges that have another one between them"
+        return "share a point, where the thickness is zero; name edges that do not meet"
     # even number of contours around a point: outside, or in a hole; one on a contour is within it, where
     # the edge between two parallel ones is itself the nearest line
     middle = shapely.line_interpolate_point(shortest, 0.5, normalized=True)
     around = shapely.covers(np.array([shapely.polygons(own) for own in outline.polyline()]), middle)
     if around.sum() % 2 == 0:
-        return "face each other across a gap, where there is no rubber"
+        return "face each other across a gap instead of across rubber; name the two sides of a wall"
     return ""
 
 
