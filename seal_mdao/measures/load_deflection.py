@@ -41,8 +41,8 @@ class LoadDeflectionError(Derived):
         count = self.base.count
         if self.base.direction is None and len(self.base.components) > 1:
             raise ValueError(
-                f"{self.name!r} compares a single component of the force; give one component "
-                "(axis) or a direction"
+                f"{self.name!r} compares a single component of the force, but the force has two; "
+                "give one component or a direction"
             )
         given = np.ones(count) if self.weights is None else self.weights
         for what, own in (("targets", self.targets), ("weights", given)):

@@ -122,7 +122,7 @@ def test_what_cannot_be_calibrated(seal, measured, names, said):
 
 def test_as_many_readings_as_parameters_are_refused(seal):
     few = replace(FORCE, times=TIMES[:2])
-    with pytest.raises(ValueError, match="2 readings do not determine 2 parameters"):
+    with pytest.raises(ValueError, match="2 readings are too few for 2 parameters"):
         calibrate_force(seal, few, np.ones(2), ("c10", "g_1"))
 
 

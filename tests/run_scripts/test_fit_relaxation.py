@@ -150,14 +150,14 @@ def test_bad_file_gets_one_line(fit_text, text, expected, capsys):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("--law", "yeoh"), "--law is for tests of stress over stretch (column stretch); "),
+        (("--law", "yeoh"), "--law is for tests of stress over stretch (column stretch), but "),
         (("--bulk-modulus", "8e4"), "--bulk-modulus is for tests of stress over stretch"),
         (("--shift", "wlf"), "the shift wlf needs at least 3 temperatures, "),
         (("--reference", "40"), "reference must be one of the tested temperatures (23), got 40"),
         (("--ramp", "-1"), "ramp must be a number of at least 0"),
         (("--tau", "-5"), "tau must be 1 to 12 positive numbers"),
         (("--terms", "13"), "terms must be an integer of at least 1 and at most 12"),
-        (("--name", "a b"), "the name 'a b'"),
+        (("--name", "a b"), "got 'a b'"),
         (("--moduli", "initial"), "invalid choice: 'initial'"),
     ],
 )

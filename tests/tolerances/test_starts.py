@@ -140,7 +140,7 @@ def test_means_that_begin_inside_with_their_particles_are_refused(tmp_path):
     """By 1e-4 mm in a spacing of 1 mm, within which means of a curved edge may lie beside it."""
     lid = LID.replace("friction = 0.3", 'friction = 0.3\ncontact_points = "averages"')
     seal = seal_of(tmp_path, FIXED, lid).with_placements()
-    words = r"starts 0\.0001 mm inside the rigid profile 'lid'; .* placement lid_x or lid_y\)"
+    words = r"starts 0\.0001 mm inside the rigid profile 'lid'; .* the parameters lid_x and lid_y\)"
     with pytest.raises(sm.GeometryError, match=words):
         sm.analyze(seal, parameters={"lid_y": -0.0201})
     assert sm.analyze(seal, parameters={"lid_y": -0.0199}).converged
@@ -182,5 +182,5 @@ def test_a_design_that_grows_into_a_profile_begins_farther_back(tmp_path):
         ]
         assert gradient[place] == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5)
     inside = seal.with_placements()
-    with pytest.raises(sm.GeometryError, match="placement lid_x or lid_y"):
+    with pytest.raises(sm.GeometryError, match="the parameters lid_x and lid_y"):
         sm.analyze(inside, parameters={"lid_y": -0.05})

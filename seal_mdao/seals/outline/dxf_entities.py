@@ -146,7 +146,7 @@ def _sides(vertices, closed: bool, scale, edge) -> list:
         a, b = scale * one[:2], scale * other[:2]
         if (a == b).all():
             following = 1 if closed and i == len(vertices) - 1 else i + 1
-            raise GeometryError(f"vertices {i} and {following} coincide at {pair(a)}")
+            raise GeometryError(f"vertices {i} and {following} coincide at {pair(a)}; remove one")
         bulge = float(one[2])
         if bulge == 0.0:
             found.append(Line(tuple(a), tuple(b), edge))
