@@ -13,8 +13,10 @@ from pathlib import Path
 from seal_mdao import plotting
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import checked_arguments, parser, write_summary
+from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.seal_files import file_of, filled
 from seal_mdao.progress import Waiting
+from seal_mdao.seals.outline.design_parameters import design_parameters
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import estimate, unloaded
 from seal_mdao.seals.steps_and_penalties import COARSE
@@ -47,6 +49,7 @@ def main(arguments) -> int:
     steps = USUAL_STEPS if file.step_tolerance is not None else seal.n_steps
     with checked_arguments():
         cost, choice = estimate(seal, steps), choice_seconds(file, seal)
+    parameters = design_parameters(seal)
     summary = {
         "n_particles": len(seal.nominal_particles),
         "n_cells": len(seal.body.cells),
@@ -57,6 +60,7 @@ def main(arguments) -> int:
         "profiles": [contact.label for contact in contacts(seal)],
         "measures": [measure.name for measure in seal.standard],
         "design_parameters": seal.n_offsets,
+        "design_parameter_table": [own._asdict() for own in parameters],
         "to_be_chosen": open_choices,
         "estimated_seconds": cost.seconds,
         "estimated_seconds_of_choice": choice,
@@ -66,7 +70,7 @@ def main(arguments) -> int:
     }
     # the same content as printed
     write_summary(arguments.out, summary)
-    report(summary, steps, picture)
+    report(summary, design_lines(parameters), steps, picture)
     return 0
 
 
@@ -83,7 +87,7 @@ def choice_seconds(file, seal) -> float:
     return COARSE_TIME * paths * steps * per_step
 
 
-def report(summary: dict, steps: int, picture: Path) -> None:
+def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
     """Print what the file describes."""
     edges = ", ".join(f"{name} ({count} particles)" for name, count in summary["edges"].items())
     if summary["left_out"]:
@@ -96,8 +100,8 @@ def report(summary: dict, steps: int, picture: Path) -> None:
     for key in ("materials", "profiles", "measures", "to_be_chosen"):
         if summary[key]:
             print(f"{key.replace('_', ' ')}: {', '.join(map(str, summary[key]))}")
-    if summary["design_parameters"]:
-        print(f"{summary['design_parameters']} design parameters")
+    for line in design:
+        print(line)
     choice = summary["estimated_seconds_of_choice"]
     output = summary["estimated_seconds_of_output"]
     total = duration(summary["estimated_seconds"] + choice + output)

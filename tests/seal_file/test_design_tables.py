@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.subcommands import main
 from seal_mdao.file_optimization import design_bounds
 from seal_mdao.recording.recorded_optimization import read_optimization
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.export import write_design
+from seal_mdao.seals.outline.design_parameters import design_parameters
 from seal_mdao.seals.result import frozen_measures
 
 for library in ("ezdxf", "meshio", "netgen", "tomli_w"):
@@ -103,6 +106,72 @@ def test_every_design_has_its_bound(designed):
     file, seal, _, _ = designed
     assert seal.design_sizes == (3, 2, 1)
     np.testing.assert_array_equal(design_bounds(file, seal), [0.3, 0.3, 0.3, 0.2, 0.2, 0.25])
+
+
+def test_table_of_the_parameters_has_the_effect_of_every_kind(designed):
+    """The sign of an arc of a hole is another one than that of an edge."""
+    _, seal, _, _ = designed
+    found = design_parameters(seal)
+    out, along, into = "out of the rubber", "along the edge", "into the rubber"
+    assert [own.direction for own in found] == [out, out, out, out, along, into]
+    assert [own.table for own in found] == [1, 1, 1, 2, 2, 3]
+    assert [own.edge for own in found if own.direction != along] == ["crown"] * 4 + ["hole"]
+    boundary = np.concatenate(seal.loops)
+    for way, own in zip(np.eye(seal.n_offsets), found, strict=True):
+        assert own.index == way.argmax()
+        moved = (seal.particles(way) - seal.nominal_particles)[boundary]
+        away = np.hypot(*(seal.nominal_particles[boundary] - own.place).T)
+        assert away.min() < 1e-8
+        assert own.velocity == pytest.approx(moved[away.argmin()], abs=1e-8)
+        assert own.largest == pytest.approx(np.hypot(*moved.T).max(), rel=1e-8)
+        assert own.largest == pytest.approx(np.hypot(*own.velocity), rel=1e-8)
+        plus, minus = (seal.area(s * 0.01 * way)[0] for s in (1, -1))
+        assert own.area == pytest.approx((plus - minus) / 0.02, rel=1e-9)
+        assert own.area * {out: 1, into: -1}.get(own.direction, np.sign(own.area)) > 0.0
+
+
+def test_printed_table_of_the_parameters(designed, monkeypatch):
+    found = design_parameters(designed[1])
+    heading, columns, *rows = design_lines(found)
+    assert heading.startswith("6 design parameters (boundary_offsets), each for a value of +1 mm")
+    assert len(rows) == 6
+    # columns are aligned below their names
+    at = columns.index("direction")
+    assert [row[at:].split("  ")[0] for row in rows] == [own.direction for own in found]
+    assert rows[5].endswith(f"{found[5].area:+.4g}")
+    monkeypatch.setattr("seal_mdao.cli.design_table.MOST_ROWS", 4)
+    assert design_lines(found)[-1] == "and 2 more, in summary.json"
+    assert design_lines([]) == []
+
+
+@pytest.mark.parametrize(
+    ("closed", "parameters", "left"),
+    [(False, 3, 2), (False, 4, 2), (False, 5, 3), (True, 4, 3), (True, 5, 3), (True, 6, 4)],
+)
+def test_number_of_parameters_with_a_mirror(tmp_path, closed, parameters, left):
+    name = "hole" if closed else "crown"
+    table = f'[[design]]\nedges = ["{name}"]\nparameters = {parameters}\nmirror = "x = 0"\nbound = 0.1\n'
+    seal = unchosen_seal(sm.read_seal_file(written(tmp_path, table)))
+    assert seal.design_sizes == (left,)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("arc = [0.0, 10.0]", "it would move the edge 'right', which is fixed; in place of arc"),
+        ("vertex = [5.0, 5.0]", "it would move the edge 'right', which is fixed; choose a vertex"),
+        ('edges = ["crown"]\nparameters = 1', "the edge 'crown' needs at least 2 parameters"),
+    ],
+)
+def test_messages_name_the_table_and_the_remedy(tmp_path, kind, text):
+    first = '[[design]]\nedges = ["hole"]\nparameters = 4\nbound = 0.1\n'
+    path = written(tmp_path, first + f"[[design]]\n{kind}\nbound = 0.1\n")
+    content = path.read_text(encoding="utf-8")
+    path.write_text(
+        content.replace('edges = ["base"]', 'edges = ["base", "right"]'), encoding="utf-8"
+    )
+    with pytest.raises(sm.SealFileError, match=rf"\[\[design\]\] 2: {text}"):
+        unchosen_seal(sm.read_seal_file(path))
 
 
 def test_the_derivative_of_the_area_is_exact(designed):

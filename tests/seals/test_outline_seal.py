@@ -142,9 +142,9 @@ def test_reseeded_seal_has_the_same_boundary_and_nearly_the_same_answer(pressed)
         ),
         (
             {"designs": [OffsetDesign(("foot",), 5)]},
-            "design: no edge is called 'foot'; edges are base, outer, cavity",
+            r"\[\[design\]\] 1: no edge is called 'foot'; edges are base, outer, cavity",
         ),
-        ({"designs": [OffsetDesign(("base",), 5)]}, "design: the edge 'base' is fixed"),
+        ({"designs": [OffsetDesign(("base",), 5)]}, r"\[\[design\]\] 1: the edge 'base' is fixed"),
         ({"designs": [OffsetDesign(("outer",), 1)]}, "'outer' needs at least 2 parameters"),
         (
             {"contributions": (lambda section: section.contact_points(("foot",)),)},

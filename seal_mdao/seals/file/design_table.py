@@ -40,10 +40,14 @@ class DesignTable(Table):
 
     bound: number("mm", above=0.0) = key("largest offset, displacement or change of the radius")
     edges: Names | None = key(
-        "edges that move; an end at an edge that does not move stays fixed", None
+        "edges that move along their normals, a positive parameter out of the rubber; an end at an edge "
+        "that does not move stays fixed",
+        None,
     )
     parameters: whole(1, MOST_PARAMETERS) | None = key(
-        "with edges: number of parameters of each edge", None
+        "with edges: number n of parameters of each edge; of an edge that is its own image under "
+        "mirror, (n + 1) / 2 remain, of a closed edge n / 2 + 1, rounded down",
+        None,
     )
     between: many(Point, "two points [[x, y], [x, y]] (mm)", 2, 2) | None = key(
         "with one edge: the part of it that moves, from the first point to the second, "
@@ -56,7 +60,8 @@ class DesignTable(Table):
         None,
     )
     vertex: Point | None = key(
-        "instead of edges: an end of a segment that moves; the adjacent segments follow linearly",
+        "instead of edges: an end of a segment that moves, a positive parameter along +x or +y; the "
+        "adjacent segments follow linearly",
         None,
     )
     directions: many(one_of("x", "y"), 'a list of "x", "y" or both') | None = key(
@@ -65,7 +70,8 @@ class DesignTable(Table):
         None,
     )
     arc: Point | None = key(
-        "instead of edges: a point of an arc or circle whose radius changes; an arc tangent to its "
+        "instead of edges: a point of an arc or circle whose radius changes; a positive parameter "
+        "enlarges the radius, which moves the circle of a hole into the rubber; an arc tangent to its "
         "neighbouring lines remains tangent, otherwise its centre does not move",
         None,
     )

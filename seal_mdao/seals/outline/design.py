@@ -1,6 +1,8 @@
 """Design velocity of a section: its boundary moves by offsets of edges, vertices and radii, the inside
 by harmonic extension on the background cells."""
 
+from contextlib import contextmanager
+
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
@@ -13,11 +15,20 @@ STILL = 1e-9
 """Largest velocity of what stays."""
 
 
-def checked_names(names, known, what: str) -> None:
+def checked_names(names, known) -> None:
     """Raise ValueError for a name that no edge has."""
     for name in names:
         if name not in known:
-            raise ValueError(f"{what}: no edge is called {name!r}; edges are {', '.join(known)}")
+            raise ValueError(f"no edge is called {name!r}; edges are {', '.join(known)}")
+
+
+@contextmanager
+def named_in_errors(what: str):
+    """Begin the message of a ValueError with what it is about."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from error
 
 
 def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]:
@@ -39,24 +50,29 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
     ------
     ValueError
         For names that no edge has, too few parameters, points that are not on the boundary, designs that
-        would move a fixed edge, or another one out of its plane.
+        would move a fixed edge, or another one out of its plane. The message has the number of the
+        design, from 1.
     """
     sampled = SampledBoundary(boundaries, supports)
-    offsets = [design for design in designs if isinstance(design, OffsetDesign)]
-    for design in offsets:
-        opposite = () if design.opposite is None else (design.opposite,)
-        checked_names((*design.edges, *opposite), sampled.stretches, "design")
-        for name in (*design.edges, *opposite):
-            _require_free(name, supports)
-    moving = {name for design in designs for name in design.moving(sampled)}
-    for name in sorted(moving):
-        _require_free(name, supports)
+    moving = set()
+    for number, design in enumerate(designs, 1):
+        with named_in_errors(f"[[design]] {number}"):
+            if isinstance(design, OffsetDesign):
+                opposite = () if design.opposite is None else (design.opposite,)
+                checked_names((*design.edges, *opposite), sampled.stretches)
+                for name in (*design.edges, *opposite):
+                    _require_free(name, supports)
+            moved = design.moving(sampled)
+            for name in sorted(moved):
+                _require_free(name, supports)
+        moving |= moved
     sampled.hold(moving)
     columns = [np.zeros((0, len(sampled.points), 2))]
-    for design in designs:
-        columns.append(design.columns(sampled))
-        if not isinstance(design, OffsetDesign):
-            _require_supported(sampled, columns[-1], supports)
+    for number, design in enumerate(designs, 1):
+        with named_in_errors(f"[[design]] {number}"):
+            columns.append(design.columns(sampled))
+            if not isinstance(design, OffsetDesign):
+                _require_supported(sampled, columns[-1], supports, design.remedy)
     velocity = np.concatenate(columns)
     for name, component in sampled.planes.items():
         _slide(velocity, sampled.indices(name), sampled.path(name).along, component)
@@ -67,12 +83,10 @@ def _require_free(name, supports) -> None:
     """Refuse a designed edge that is supported."""
     if name in supports:
         what = "is fixed" if len(supports[name]) == 2 else "is in a plane of symmetry"
-        raise ValueError(
-            f"design: the edge {name!r} {what}, so it cannot move; choose another edge"
-        )
+        raise ValueError(f"the edge {name!r} {what}, so it cannot move; choose another edge")
 
 
-def _require_supported(sampled, columns, supports) -> None:
+def _require_supported(sampled, columns, supports, remedy: str) -> None:
     """Refuse velocities of fixed edges, and of the ends of edges out of their planes."""
     for name, components in supports.items():
         # between their ends, edges in a plane follow these
@@ -80,10 +94,7 @@ def _require_supported(sampled, columns, supports) -> None:
         which = which if len(components) == 2 else which[[0, -1]]
         if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
             what = "is fixed" if len(components) == 2 else "stays in its plane"
-            raise ValueError(
-                f"design: it would move the edge {name!r}, which {what}; choose edges or vertices "
-                "away from it"
-            )
+            raise ValueError(f"it would move the edge {name!r}, which {what}; {remedy}")
 
 
 def _slide(velocity, points, along, component) -> None:

@@ -87,7 +87,7 @@ class OffsetDesign:
             return {name: _folded(part, own)}
         if self.between is None and self._part(sampled, image).left_out != part.left_out[::-1]:
             raise ValueError(
-                f"design: the edges {name!r} and {image!r} are mirror images, but only one of them "
+                f"the edges {name!r} and {image!r} are mirror images, but only one of them "
                 "has a fixed end; fix both neighbours, or neither"
             )
         # the offset at s of the image is that at c - s of the edge
@@ -113,7 +113,7 @@ class OffsetDesign:
             last = first + (last - first) % path.length
         if last - first <= SAME:
             raise ValueError(
-                f"design: the edge {name!r} runs from {pair(self.between[1])} to "
+                f"the edge {name!r} runs from {pair(self.between[1])} to "
                 f"{pair(self.between[0])}; give the points of between in this order"
             )
         # at an end of the edge as without between, else value and slope are zero
@@ -128,8 +128,7 @@ def _checked(part: _Part, count: int) -> _Part:
     left_out = 0 if part.loop else sum(part.left_out)
     if count + left_out < DEGREE + 1:
         raise ValueError(
-            f"design: the edge {part.name!r} needs at least {DEGREE + 1 - left_out} parameters, got "
-            f"{count}"
+            f"the edge {part.name!r} needs at least {DEGREE + 1 - left_out} parameters, got {count}"
         )
     return part
 
@@ -142,8 +141,8 @@ def _image(sampled, name: str, plane: MirrorPlane) -> tuple[str, float]:
         if c is not None:
             return other, c
     raise ValueError(
-        f"design: no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = "
-        f"{plane.at:g}; draw the section symmetric to this plane, or leave symmetric out"
+        f"no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = "
+        f"{plane.at:g}; draw the section symmetric to this plane, or leave mirror out"
     )
 
 
@@ -161,8 +160,8 @@ def _folded(part: _Part, own) -> np.ndarray:
     count = len(own)
     if part.left_out[0] != part.left_out[1]:
         raise ValueError(
-            f"design: one end of the edge {part.name!r} is constrained and the other is free, so "
-            "its design cannot be symmetric; leave symmetric out, or constrain both ends"
+            f"one end of the edge {part.name!r} is constrained and the other is free, so "
+            "its design cannot be symmetric; leave mirror out, or constrain both ends"
         )
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]
@@ -257,7 +256,7 @@ def _across(sampled, offsets: dict, names, across) -> dict:
         for end in (0, -1):
             if sampled.is_still(sampled.stretches[name], end) and np.abs(own[:, end]).max() > SAME:
                 raise ValueError(
-                    f"design: the edge {name!r} ends at an edge that does not move, but would move "
+                    f"the edge {name!r} ends at an edge that does not move, but would move "
                     "there with the wall; choose a part of the wall (between) that ends before"
                 )
         found[name] = own

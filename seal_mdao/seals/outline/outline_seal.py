@@ -17,7 +17,12 @@ from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
-from seal_mdao.seals.outline.design import boundary_velocity, checked_names, harmonic_extension
+from seal_mdao.seals.outline.design import (
+    boundary_velocity,
+    checked_names,
+    harmonic_extension,
+    named_in_errors,
+)
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
@@ -194,7 +199,8 @@ def outline_seal(
         For a boundary that cannot be filled.
     """
     known = stretches(boundaries)
-    checked_names(supports, known, "supports")
+    with named_in_errors("supports"):
+        checked_names(supports, known)
     regions = [SectionRegion(material)] if isinstance(material, Isotropic) else material
     cuts = tuple(np.asarray(line, float) for own in regions for line in own.lines)
     # stretches index points of the loops; edges the particles of the cloud

@@ -62,7 +62,7 @@ class SampledBoundary:
         nearest = float(np.diff(path.along).max())
         if away > nearest:
             raise ValueError(
-                f"design: the point {pair(point)} of between must lie on the edge {name!r}, but is "
+                f"the point {pair(point)} of between must lie on the edge {name!r}, but is "
                 f"{away:.3g} mm away from it"
             )
         return s
@@ -85,7 +85,7 @@ class SampledBoundary:
         which = np.flatnonzero(np.concatenate(corner))
         if not which.size:
             raise ValueError(
-                f"design: no vertex is at {pair(at)}, because every contour is a single segment; "
+                f"no vertex is at {pair(at)}, because every contour is a single segment; "
                 "use edges instead of vertex"
             )
         # nearest vertex, and the loop in which its index lies
@@ -93,8 +93,7 @@ class SampledBoundary:
         index = int(which[away.argmin()])
         if away.min() > within:
             raise ValueError(
-                f"design: no vertex is at {pair(at)}; the nearest one is at "
-                f"{pair(self.points[index])}"
+                f"no vertex is at {pair(at)}; the nearest one is at {pair(self.points[index])}"
             )
         loop = int(np.searchsorted(self.starts, index, side="right")) - 1
         return loop, index - int(self.starts[loop])
@@ -120,7 +119,7 @@ class SampledBoundary:
         piece = self.points[self.starts[loop] + self.pieces(loop)[number]]
         if away > np.hypot(*np.diff(piece, axis=0).T).max():
             raise ValueError(
-                f"design: the point {pair(point)} must lie on the boundary, but is {away:.3g} mm "
+                f"the point {pair(point)} must lie on the boundary, but is {away:.3g} mm "
                 "away from it"
             )
         return loop, number

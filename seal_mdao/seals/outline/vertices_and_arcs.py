@@ -1,6 +1,7 @@
 """Design of single features of a section: displacement of a vertex, radius of an arc."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,11 +31,17 @@ class VertexDesign:
         0 for x, 1 for y, a parameter for each; None for both, or the one in a plane of symmetry.
     mirror : MirrorPlane or None
         Plane to which the displacements are symmetric: the mirror image of the vertex moves too.
+    remedy : str
+        What to do where it would move a supported edge; of the class.
     """
 
     at: tuple
     directions: tuple | None = None
     mirror: MirrorPlane | None = None
+
+    remedy: ClassVar[str] = (
+        "choose a vertex that is no end of this edge, or move another edge (edges, parameters)"
+    )
 
     def moving(self, sampled) -> set:
         """Names of the edges that move completely."""
@@ -48,7 +55,7 @@ class VertexDesign:
         turn = np.hypot(*np.subtract(*np.asarray(boundary.tangent)[k]))
         if turn < TANGENT and boundary.edge[k - 1] == boundary.edge[k]:
             raise ValueError(
-                f"design: the edge {str(boundary.edge[k])!r} is smooth at {pair(self.at)}, so "
+                f"the edge {str(boundary.edge[k])!r} is smooth at {pair(self.at)}, so "
                 "there is no vertex to move; use edges with between instead of vertex"
             )
         image = None
@@ -62,7 +69,7 @@ class VertexDesign:
         if not allowed or (self.directions is not None and len(allowed) < len(chosen)):
             refused = " and ".join("xy"[axis] for axis in chosen if axis in across)
             raise ValueError(
-                f"design: the vertex {pair(self.at)} cannot move in {refused}, out of the plane of "
+                f"the vertex {pair(self.at)} cannot move in {refused}, out of the plane of "
                 f"symmetry; leave {refused} out of directions"
             )
         columns = []
@@ -109,10 +116,17 @@ class RadiusDesign:
         Any point of the arc, mm.
     mirror : MirrorPlane or None
         The mirror image of the arc gets the same radius.
+    remedy : str
+        What to do where it would move a supported edge; of the class.
     """
 
     at: tuple
     mirror: MirrorPlane | None = None
+
+    remedy: ClassVar[str] = (
+        "in place of arc, move the edge of the arc along its normals (edges, parameters), which keeps "
+        "its ends"
+    )
 
     def moving(self, sampled) -> set:
         """Names of the edges that move completely."""
@@ -179,7 +193,7 @@ def _circle(points, at) -> tuple[np.ndarray, float]:
         if np.abs(np.hypot(*(x - found[:2]).T) - radius).max() <= ROUND * radius:
             return middle + found[:2], radius
     raise ValueError(
-        f"design: the segment at {pair(at)} is not an arc, so it has no radius to change; give a "
+        f"the segment at {pair(at)} is not an arc, so it has no radius to change; give a "
         "point of an arc or a circle"
     )
 
