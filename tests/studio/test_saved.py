@@ -87,5 +87,5 @@ def test_numbers_of_other_files(tmp_path, old, new, name, value):
 def test_designs_out_of_range_are_refused(bench):
     with pytest.raises(ValueError, match="must have 12 numbers"):
         bench.split([0.0])
-    with pytest.raises(ValueError, match=r"friction on plate = 9 is outside its range 0 and 1"):
+    with pytest.raises(ValueError, match=r"friction on plate = 9 is outside its range 0 to 1"):
         bench.split(changed(bench, plate_friction=9.0))
