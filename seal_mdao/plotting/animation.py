@@ -73,7 +73,8 @@ def save_animation(
     width, height = section.panel_size(low, high)
     figure, (left, right) = subplots(1, 2, width=1.1 * width + 6.0, height=max(1.1 * height, 3.6))
     draw_forces(right, {"": result})
-    (curve,) = right.lines[:1]
+    # the line at zero is the first one
+    curve = right.lines[1]
     curve.set_color(BLUE)
     (marker,) = right.plot([], [], "o", color=VERMILION)
 

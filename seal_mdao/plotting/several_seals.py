@@ -10,7 +10,7 @@ from seal_mdao.plotting.contact_curves import along_contact
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import CYCLE, styled, subplots
 from seal_mdao.plotting.travel_curves import add_length_axis
-from seal_mdao.seals.profiles import leading_contact, profile_histories, true_pressure
+from seal_mdao.seals.profiles import PARALLEL, leading_contact, profile_histories, true_pressure
 from seal_mdao.seals.result import SealResult
 
 MOST_SECTIONS = 6
@@ -31,7 +31,7 @@ def load_deflection_of(results: Mapping[str, SealResult], title: str = "") -> Fi
     Returns
     -------
     Figure
-        Magnitude of the force, N/m.
+        Component of the force against the travel of the first stage, N/m or N.
     """
     figure, axes = subplots(width=7.4, height=4.6)
     draw_forces(axes, results)
@@ -40,26 +40,45 @@ def load_deflection_of(results: Mapping[str, SealResult], title: str = "") -> Fi
 
 
 def draw_forces(axes, results) -> None:
-    """Plot |F| of the leading profile against its path length from the start, for every seal."""
+    """Plot the force on the leading profile against the travel of its first stage over its path length
+    from the start, for every seal; of a profile that only turns the larger component."""
+    labels = {}
+    axes.axhline(0.0, color="black", linewidth=0.8)
     for number, (name, result) in enumerate(results.items()):
-        label = leading_contact(result.seal).label
-        history = next(h for h in profile_histories(result) if h.label == label)
+        contact = leading_contact(result.seal)
+        history = next(h for h in profile_histories(result) if h.label == contact.label)
         # path length s_k = sum |x_i - x_{i-1}|: loading and unloading stages follow each other
-        start = np.array(leading_contact(result.seal).motion.coordinates(0.0))[:2]
+        start = np.array(contact.motion.coordinates(0.0))[:2]
         points = np.vstack([start, history.place[:, :2]])
         travel = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-        force = np.append(0.0, np.hypot(*history.force.T))
+        against, words = against_travel(contact.motion, history, result.seal.units)
+        labels[f"{words} ({result.seal.units.force})"] = None
+        # F . e with e opposite to the travel
+        force = np.append(0.0, history.force @ against)
         axes.plot(travel, force, color=CYCLE[number % len(CYCLE)], label=name)
         if not result.converged:
             axes.plot(travel[-1], force[-1], "x", color=CYCLE[number % len(CYCLE)])
     axes.set_xlabel("travel of the profile (mm)")
-    units = dict.fromkeys(result.seal.units.force for result in results.values())
-    axes.set_ylabel(f"force ({' or '.join(units)})")
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel("\nor ".join(labels))
     # rings of one circumference
     ring, *others = {result.seal.units for result in results.values()}
     if ring.radius is not None and not others:
         add_length_axis(axes, ring)
+
+
+def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
+    """Return the unit vector against the first travel of a motion, and words for the force along it."""
+    moved = np.diff(motion.positions, axis=0)
+    length = np.hypot(*moved.T)
+    if not length.any():
+        component = history.main_component
+        return np.eye(2)[component], f"{units.directions[component]} force on {history.label}"
+    first = int(np.argmax(length > 0.0))
+    against = -moved[first] / length[first]
+    # a travel along an axis has the name of the component
+    along = np.flatnonzero(np.abs(against) > 1.0 - PARALLEL)
+    direction = f"{units.directions[along[0]]} " if along.size else ""
+    return against, f"{direction}force on {history.label} against its travel"
 
 
 def draw_pressures(axes, results) -> None:

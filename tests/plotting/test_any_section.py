@@ -11,9 +11,11 @@ from pressed_block import pressed_block
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.plotting.several_seals import against_travel
+from seal_mdao.seals.profiles import contacts, profile_histories
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.region import Region
 
@@ -89,6 +91,27 @@ def test_every_figure(pressed, tmp_path):
             .stat()
             .st_size
         )
+
+
+def test_forces_of_several_seals_are_those_against_the_travel(pressed):
+    """Friction of a sliding stage is not part of the force of a load-deflection curve."""
+    axes = plotting.load_deflection_of({"block": pressed}).axes[0]
+    assert axes.get_ylabel() == "vertical force on roll against its travel (N/m)"
+    force = pressed.path.reaction("roll")
+    assert np.abs(force[-1, 0]) > 1.0
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), [0.0, *force[:, 1]])
+
+
+def test_force_against_an_inclined_travel(pressed):
+    """-F . u with the direction u of the first stage that travels; a profile that turns has none."""
+    history, units = profile_histories(pressed)[0], pressed.seal.units
+    steps = [Stage(2, rotate=5.0), Stage(4, (-0.3, -0.4)), Stage(2, (1.0, 0.0))]
+    against, words = against_travel(staged_motion(steps, start=(0.0, 4.0)), history, units)
+    assert against == pytest.approx([0.6, 0.8])
+    assert words == "force on roll against its travel"
+    against, words = against_travel(staged_motion(steps[:1], start=(0.0, 4.0)), history, units)
+    assert against.tolist() == [0.0, 1.0]
+    assert words == "vertical force on roll"
 
 
 def test_single_points_do_not_set_the_scale():
