@@ -275,10 +275,10 @@ def export_to_abaqus(file, seal, path: Path) -> None:
 
 def report_faults(result: SealResult) -> None:
     """Print faults that make the results unusable, before the numbers."""
+    # a boundary that crosses itself explains a loss of stability, so warnings are first
+    print_warnings(result)
     print_critical_points(result)
-    if result.converged:
-        print_warnings(result)
-    else:
+    if not result.converged:
         print(f"NOT CONVERGED: {result.failure}")
 
 

@@ -21,13 +21,13 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
     Returns
     -------
     list of str
-        A heading, a row for every value, and a line for every measure without an estimate.
+        A heading, a row for every value, and a line for every reason why measures have no estimate.
     """
     rows = [("measure", "value", "+-", "unit", "in %", *PARTS.values())]
-    missing = []
+    missing: dict[str, list] = {}
     for name, found in estimates.items():
         if found.unknown:
-            missing.append(f"error of {name} not estimated: {found.unknown}")
+            missing.setdefault(found.unknown, []).append(name)
         for number, value in enumerate(found.value):
             label = name if found.value.size == 1 else f"{name}[{number}]"
             bar = None if found.bar is None else found.bar[number]
@@ -46,7 +46,8 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
         ).rstrip()
         for row in rows
     ]
-    return ["estimated errors (computed minus exact value):", *lines, *missing]
+    reasons = [f"not estimated (?) for {', '.join(own)}: {why}" for why, own in missing.items()]
+    return ["estimated errors (computed minus exact value):", *lines, *reasons]
 
 
 def _digits(number: float | None, sign: str = "") -> str:

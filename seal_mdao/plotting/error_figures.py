@@ -17,7 +17,8 @@ def error_parts(estimates: dict) -> Figure:
     ----------
     estimates : dict of str to ErrorEstimate
         As of ``accuracy.error_estimate.estimate_errors``; the value with the largest error bar of a
-        measure with several. Measures without a known part are left out.
+        measure with several. Parts that are not known are marked; measures without a known part are left
+        out.
     """
     rows = []
     for name, found in estimates.items():
@@ -33,7 +34,17 @@ def error_parts(estimates: dict) -> Figure:
         # one group of bars a measure, a bar a part
         places = [k + (number - 1) * height for k in range(len(rows))]
         sizes = [parts.get(part, np.nan) for _, parts in rows]
-        axes.barh(places, sizes, height, color=colour, label=part.replace("_", " "))
+        unknown = [k for k, size in enumerate(sizes) if np.isnan(size)]
+        label = part.replace("_", " ")
+        if rows and len(unknown) == len(rows):
+            label += " (not estimated)"
+        axes.barh(places, sizes, height, color=colour, label=label)
+        for k in unknown:
+            # a missing bar is no error of zero
+            axes.annotate(
+                "not estimated", (0.0, places[k]), xytext=(4, 0), textcoords="offset points",
+                va="center", fontsize=7.5, color=colour,
+            )  # fmt: skip
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.set_yticks(range(len(rows)), [label for label, _ in rows])
     axes.invert_yaxis()

@@ -7,7 +7,7 @@ these matters is reported; one that is not admissible (``Finding.impossible``) i
 optimisation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -61,11 +61,14 @@ class Finding:
         The state is not admissible, so its measures are no result.
     meaningless : bool
         Local values, such as the largest stress, mean nothing.
+    place : ndarray, shape (2,), or None
+        Undeformed point at which the stress means nothing, where that holds at one point, mm.
     """
 
     text: str
     impossible: bool
     meaningless: bool = False
+    place: np.ndarray | None = field(default=None, compare=False)
 
 
 _KNOWN = WeakKeyDictionary()
@@ -77,7 +80,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = EvaluationPoints(path)
         checks = (
-            _balance, _stability, _volume, _local, _crossing, _inside_profiles, _inside_itself,
+            _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
             _below_base, _contact_loss, _strains, _creases,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
@@ -188,6 +191,7 @@ def _volume(samples: EvaluationPoints):
             f"but {LEAVE_OUT}",
             False,
             meaningless=True,
+            place=samples.undeformed[worst],
         )
     worst = int(np.argmin(np.where(beside, np.inf, least)))
     if not least[worst] > slight and not beside[worst]:
@@ -197,6 +201,7 @@ def _volume(samples: EvaluationPoints):
             f"there is meaningless; {_volume_cure(samples)}",
             not change[worst] > none,
             meaningless=True,
+            place=samples.undeformed[worst],
         )
 
 
@@ -220,39 +225,91 @@ def _squeezed(change: float) -> str:
 
 def _local(samples: EvaluationPoints):
     """Report stretches and stresses at single points that no rubber has."""
-    for text in meaningless_states(samples):
-        yield Finding(text, False, meaningless=True)
+    for text, place in meaningless_states(samples):
+        yield Finding(text, False, meaningless=True, place=place)
 
 
 def _crossing(samples: EvaluationPoints):
-    """Report boundaries that cross where there is no contact between them.
-
-    With contact they cross by the penetration of its penalty.
-    """
-    # sides of all boundaries as pairs of samples
-    chains, x = samples.chains, samples.places
-    segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
-    pairs, depth = crossings(x, segments)
-    # sides in contact may overlap by the penetration of the penalty
-    known = depth <= _allowed_depth(samples, pairs // (chains.shape[1] - 1))
-    pairs = pairs[~known]
+    """Report boundaries that cross: where there is no contact between them, or deeper than the
+    penetration of its penalty."""
+    segments, pairs = _crossed(samples)
     if len(pairs):
         # deepest overlap
+        x = samples.places
         depth = overlap_depths(x, segments, pairs)
         worst = int(depth.argmax())
         place = x[segments[pairs[worst]]].mean(axis=(0, 1))
         yield Finding(
             f"the boundary crosses itself near {_at(place)} by {depth[worst]:.2g} mm, "
-            f"{100.0 * depth[worst] / samples.wall:.2g} % of the wall thickness, because no "
-            "self-contact is defined there; add these edges to [self_contact], or use less travel",
+            f"{100.0 * depth[worst] / samples.wall:.2g} % of the wall thickness: "
+            + _crossing_cure(samples, pairs, worst),
             bool(depth[worst] > DEEP * samples.wall),
             meaningless=bool(depth[worst] > CROSSED * samples.wall),
         )
 
 
-def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> np.ndarray:
-    """Compute the depth by which pairs of sides (c, 2) may cross, shape (c,), mm: 0 without contact."""
+def crosses_itself(path: PathResult) -> bool:
+    """Return whether the boundary crosses itself at the end of a path, beyond the penetration of a
+    contact."""
+    return len(_crossed(EvaluationPoints(path))[1]) > 0
+
+
+def _crossed(samples: EvaluationPoints) -> tuple:
+    """Find the parts of sides (s, 2) of all boundaries, and the pairs (c, 2) of them that cross deeper
+    than a contact between them permits."""
+    # sides of all boundaries as pairs of samples
+    chains = samples.chains
+    segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
+    pairs, depth = crossings(samples.places, segments)
+    # sides in contact may overlap by the penetration of the penalty
+    allowed, _ = _allowed_depth(samples, pairs // (chains.shape[1] - 1))
+    # negated: NaN is no depth either
+    deeper = ~(depth <= allowed)
+    return segments, pairs[deeper]
+
+
+def _crossing_cure(samples: EvaluationPoints, pairs: np.ndarray, worst: int) -> str:
+    """Name the edges that cross at the deepest overlap, and say what to do: contact between all edges
+    that cross without it, or a stiffer contact where there is one."""
+    sides = pairs // (samples.chains.shape[1] - 1)
+    _, touching = _allowed_depth(samples, sides)
+    # names of the edges of both sides, at the deepest overlap and wherever there is no contact
+    own = _edges_of(samples, sides[worst])
+    which = f"the edges {own[0]!r} and {own[1]!r}" if len(own) > 1 else "its parts there"
+    if len(own) == 1:
+        which = f"parts of the edge {own[0]!r}"
+    if touching[worst]:
+        return (
+            f"the self-contact between {which} does not prevent it; use a larger penalty of "
+            "[self_contact], more particles along them (edge_spacing of [section]), or less travel"
+        )
+    known = [
+        name
+        for name, edge in samples.path.discretization.body.edges.items()
+        for term in _contacts_with_itself(samples)
+        if np.isin(edge.particles, term.where.at_particles).all()
+    ]
+    missing = [name for pair in sides[~touching] for name in _edges_of(samples, pair)]
+    listed = ", ".join(f'"{name}"' for name in dict.fromkeys([*known, *missing]))
+    return (
+        f"no self-contact is defined between {which}; use [self_contact] edges = [{listed}], or less "
+        "travel"
+    )
+
+
+def _edges_of(samples: EvaluationPoints, sides: np.ndarray) -> list[str]:
+    """List the edges that two outer sides belong to."""
+    edges = samples.path.discretization.body.edges.items()
+    names = {frozenset(side): name for name, edge in edges for side in edge.sides.tolist()}
+    found = [names.get(frozenset(side)) for side in samples.sides[0][sides].tolist()]
+    return [name for name in dict.fromkeys(found) if name is not None]
+
+
+def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the depth by which pairs of sides (c, 2) may cross, shape (c,), mm: 0 without contact;
+    and whether there is contact between them, shape (c,)."""
     ends, found = samples.sides[0][sides], np.zeros(len(sides))
+    touching = np.zeros(len(sides), bool)
     for term in _contacts_with_itself(samples):
         # index of a particle among the points of the contact, -1 elsewhere
         number = np.full(samples.path.discretization.body.n_particles, -1)
@@ -260,10 +317,11 @@ def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> np.ndarray:
         one, other = np.moveaxis(number[ends], 1, 0)
         one, other = one[:, :, None], other[:, None, :]
         # any end of one side may touch any end of the other
-        touch = term.allowed[one, other] & (one >= 0) & (other >= 0)
+        touch = (term.allowed[one, other] & (one >= 0) & (other >= 0)).any(axis=(1, 2))
         deepest = -term.gaps(samples.places[term.where.at_particles])[1].min(initial=0.0)
-        found[touch.any(axis=(1, 2))] = max(deepest, SLIGHT * samples.wall)
-    return found
+        found[touch] = max(deepest, SLIGHT * samples.wall)
+        touching |= touch
+    return found, touching
 
 
 def _contacts_with_itself(samples: EvaluationPoints):

@@ -1,9 +1,10 @@
 """Points of a load path at which equilibrium became unstable, with their description."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from seal_mdao.seals.checks import crosses_itself
 from seal_mdao.seals.profiles import stage_number
 from seal_mdao.seals.result_units import PLANE
 from seal_mdao.terms.point_assembly import interpolate
@@ -35,6 +36,8 @@ class Instability:
         Of the energy.
     stage : int
         Number of its stage, from 1; 0 where the path has a single one.
+    crossed : bool
+        Whether the boundary crosses itself after a jump; the energy of that state is then unknown.
     """
 
     fraction: float
@@ -46,6 +49,7 @@ class Instability:
     lower_bound: bool
     unit: str = PLANE.energy
     stage: int = 0
+    crossed: bool = False
 
     @property
     def text(self) -> str:
@@ -68,6 +72,8 @@ class Instability:
             if np.isfinite(self.released)
             else ""
         )
+        if self.crossed:
+            lost = ", where the boundary crosses itself, so that no energy is given"
         why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
         return f"{why} at {place}: the seal moves {self.moved:.2g} mm to the next stable one{lost}"
 
@@ -78,10 +84,15 @@ def instabilities(result) -> tuple[Instability, ...]:
 
 
 def _instability(result, point) -> Instability:
-    mode = np.empty_like(point.mode)
-    interpolate(result.path.discretization.everywhere.table, point.mode, mode)
+    path, mode = result.path, np.empty_like(point.mode)
+    # the state after a jump: the end of the path up to the first step behind it
+    after = [count for count, step in enumerate(path.steps, 1) if step.fraction >= point.fraction]
+    crossed = bool(
+        point.moved and after and crosses_itself(replace(path, steps=path.steps[: after[0]]))
+    )
+    interpolate(path.discretization.everywhere.table, point.mode, mode)
     return Instability(
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
-        point.moved, point.released, not result.path.problem.symmetric, result.seal.units.energy,
-        stage_number(result.seal, point.fraction),
+        point.moved, np.nan if crossed else point.released, not path.problem.symmetric,
+        result.seal.units.energy, stage_number(result.seal, point.fraction), crossed,
     )  # fmt: skip

@@ -46,7 +46,7 @@ def beside_fixed_ends(samples: EvaluationPoints, points: np.ndarray) -> np.ndarr
 
 def meaningless_states(samples: EvaluationPoints):
     """Describe stretches and stresses at single points that are beyond the range of rubber, one
-    line each.
+    line each, with the undeformed point (2,), mm.
 
     The stress of inverted material at the end of a fixed edge is not a number; ``seals.checks`` reports
     it by the volume change.
@@ -55,7 +55,8 @@ def meaningless_states(samples: EvaluationPoints):
     if not found.value <= LARGEST_STRETCH:
         yield (
             f"a principal stretch is {found.value:.3g} {found.where}, beyond that of any rubber at "
-            f"break, so the stress there is meaningless; {cure_at(samples, found.point)}"
+            f"break, so the stress there is meaningless; {cure_at(samples, found.point)}",
+            found.point,
         )
     path, body = samples.path, samples.path.discretization.body
     places = body.samples.at(samples.path.discretization.particles)
@@ -75,7 +76,8 @@ def meaningless_states(samples: EvaluationPoints):
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
                 f"times the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: "
                 "the cells there are distorted, and this stress is meaningless; "
-                f"{cure_at(samples, places[worst])}"
+                f"{cure_at(samples, places[worst])}",
+                places[worst],
             )
 
 

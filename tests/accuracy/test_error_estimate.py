@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors, so
 from seal_mdao.accuracy.refined_file import refined_file
 from seal_mdao.analysis.increment import Solution
 from seal_mdao.analysis.path_result import Status
+from seal_mdao.cli.error_table import error_lines
 from seal_mdao.cli.subcommands import main
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.plotting import error_parts
@@ -160,7 +162,7 @@ def test_command(tmp_path, capsys):
     assert float(row[2]) == pytest.approx(force["bar"], rel=0.05)
     assert [float(part) for part in row[-3:]] == pytest.approx(parts, rel=0.05)
     assert summary["gap_square_sum"]["bar"] is None
-    assert "error of gap_square_sum not estimated" in text
+    assert "not estimated (?) for gap_square_sum" in text
     assert (out / "errors.png").stat().st_size > 0
 
 
@@ -174,6 +176,22 @@ def test_figure(estimated):
     at = labels.index("reaction")
     own = estimates["reaction"]
     assert axes.patches[at].get_width() == pytest.approx(100 * own.particles[0] / own.scale)
+
+
+def test_parts_that_are_not_estimated_are_marked_and_their_reason_is_given_once():
+    none = np.array([1.0])
+    estimates = {
+        name: ErrorEstimate(np.array([50.0]), None, steps, none, 50.0, "walls touch each other")
+        for name, steps in (("force", none), ("stress", None))
+    }
+    axes = error_parts(estimates).axes[0]
+    assert [own.get_text() for own in axes.texts] == ["not estimated"] * 3
+    legend = [own.get_text() for own in axes.get_legend().get_texts()]
+    assert legend == ["particles (not estimated)", "load steps", "penalties"]
+    seal = SimpleNamespace(standard=(), units=SimpleNamespace(force="N/m"))
+    lines = error_lines(estimates, SimpleNamespace(seal=seal))
+    assert lines[-1] == "not estimated (?) for force, stress: walls touch each other"
+    assert sum("walls touch" in line for line in lines) == 1
 
 
 def test_stored_figures_of_the_page():

@@ -10,8 +10,8 @@ from pressed_block import pressed_block
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.several_seals import against_travel

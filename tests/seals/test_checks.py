@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import openmdao.api as om
@@ -11,8 +12,9 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.seals import checks
-from seal_mdao.seals.checks import findings
+from seal_mdao.seals.checks import crosses_itself, findings
 from seal_mdao.seals.evaluation_points import EvaluationPoints
+from seal_mdao.seals.instabilities import instabilities
 from seal_mdao.seals.overlap import crossings
 
 REFERENCES = Path(__file__).parents[1] / "verification" / "references"
@@ -55,10 +57,46 @@ def test_inner_boundary_that_crosses_itself_is_told(depth, overlap, possible):
     assert said == pytest.approx(overlap, rel=0.05)
     assert (found.impossible, found.meaningless) == (not possible, True)
     assert not result.trustworthy
+    assert found.text.endswith(
+        "there is no contact between parts of the edge 'cavity'; use [self_contact] edges = "
+        '["cavity"], or a smaller depth'
+    )
+    # the fault that explains others is first
+    assert result.warnings[0] == found.text
 
 
 def test_deep_crossing_is_no_result(deep):
     assert any("crosses itself" in text for text in impossible(deep))
+    assert crosses_itself(deep.path)
+    assert not crosses_itself(replace(deep.path, steps=deep.path.steps[:50]))
+
+
+def test_a_crossing_despite_contact_does_not_ask_for_contact(deep, monkeypatch):
+    """All walls in contact: a crossing deeper than the penetration is that of its penalty."""
+    everywhere = lambda samples, sides: (np.zeros(len(sides)), np.ones(len(sides), bool))  # noqa: E731
+    monkeypatch.setattr(checks, "_allowed_depth", everywhere)
+    (text,) = [
+        t for t in impossible(replace(deep, path=replace(deep.path))) if "crosses itself" in t
+    ]
+    assert "the self-contact between parts of the edge 'cavity' does not prevent it" in text
+    assert "no self-contact" not in text
+
+
+def test_no_energy_is_given_for_a_jump_into_a_crossing(deep):
+    """The wall has no contact with itself where it lies after the jump."""
+    jump = SimpleNamespace(
+        fraction=deep.path.steps[-2].fraction, kind="limit", moved=1.0, released=5.0,
+        mode=np.ones_like(deep.path.steps[-1].d),
+    )  # fmt: skip
+    path = replace(deep.path)
+    vars(path)["critical_points"] = [jump]
+    (found,) = instabilities(replace(deep, path=path))
+    assert np.isnan(found.released)
+    assert "where the boundary crosses itself, so that no energy is given" in found.text
+    vars(path)["critical_points"] = [SimpleNamespace(**vars(jump) | {"fraction": 10.5})]
+    (found,) = instabilities(replace(deep, path=path))
+    assert found.released == 5.0
+    assert "releases" in found.text
 
 
 def test_inner_boundary_inside_the_door_is_no_result(deep):
