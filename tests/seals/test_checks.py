@@ -58,8 +58,8 @@ def test_inner_boundary_that_crosses_itself_is_told(depth, overlap, possible):
     assert (found.impossible, found.meaningless) == (not possible, True)
     assert not result.trustworthy
     assert found.text.endswith(
-        "there is no contact between parts of the edge 'cavity'; use [self_contact] edges = "
-        '["cavity"], or a smaller depth'
+        "no self-contact is defined between parts of the edge 'cavity'; use [self_contact] edges = "
+        '["cavity"], or less travel'
     )
     # the fault that explains others is first
     assert result.warnings[0] == found.text
