@@ -86,7 +86,7 @@ class LoadStepProgress:
     """
 
     def __init__(self, seal: Seal | None, label: str = "analysis", n_analyses: int | None = None):
-        self.analyses = 0
+        self.analyses, self._told = 0, set()
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
         total = None if seal is None else seal.n_steps
         self._bar = tqdm(total=total, unit="step", disable=hidden(), leave=False)
@@ -132,6 +132,15 @@ class LoadStepProgress:
             print(f"{self._label}, {number} of {of}{left} ...", file=sys.stderr, flush=True)
         else:
             self._bar.set_postfix_str(left.removeprefix(", "))
+
+    def faults(self, messages: list[str]) -> None:
+        """Print what is impossible in the last result, each message once."""
+        for text in messages:
+            # numbers in the messages differ between analyses
+            kind = text.partition(" at ")[0][:30]
+            if kind not in self._told:
+                self._told.add(kind)
+                tqdm.write(f"{self._label}, first results: {text}", file=sys.stderr)
 
     def damped(self, iteration: int, residual: float) -> None:
         """Show an iteration of damped motion, which may take thousands of them within a step."""

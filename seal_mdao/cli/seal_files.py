@@ -90,7 +90,9 @@ def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
     """List the chosen load steps and penalties with their tolerances, one line each."""
     lines = []
     if file.step_tolerance is not None:
-        lines.append(f"{seal.n_steps} load steps, chosen within {file.step_tolerance:.2%}")
+        within = f"chosen within {file.step_tolerance:.2%}"
+        missed = f"their tolerance of {file.step_tolerance:.2%} is not reached"
+        lines.append(f"{seal.n_steps} load steps, {missed if seal.step_error else within}")
     # penalties by name, kPa/mm
     penalties = chosen_for(file, seal).get("penalties", {})
     if penalties:

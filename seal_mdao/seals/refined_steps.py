@@ -18,6 +18,8 @@ from seal_mdao.seals.result import SealResult
 
 ROUNDS = 10
 """Largest number of times that the steps are divided."""
+SETTLING = 0.5
+"""Largest ratio of an error to that two divisions before; 1/4 where errors are of first order."""
 DIVIDED = 0.5
 """Drift of the steps that are divided, over the mean one: with less many small drifts stay, and further
 paths are needed; with more there are as many paths."""
@@ -28,14 +30,16 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
 
     Returns the ends of the steps, the path, and its estimated error by the steps. The error is
     estimated by the change in the last division, since it is at least of first order in the step size;
-    for steps that were not divided again, by their fraction of the drift before.
+    for steps that were not divided again, by their fraction of the drift before. It is above the
+    tolerance where further divisions do not reduce it, such as after a loss of stability.
     """
     # e, drift of every step, remaining corrections of penalties
-    error, drift, corrections = np.inf, np.ones(len(ends)), CORRECTIONS
+    errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
     for _ in range(ROUNDS):
+        error = errors[-1]
         raised = raised_penalties(coarse, names, penalty_tolerance) if corrections else {}
-        if error <= tolerance and not raised:
-            return ends, coarse, error
+        if (error <= tolerance and not raised) or _does_not_settle(errors):
+            break
         # next path: divided steps, raised penalties
         parts = _parts(error, drift, tolerance)
         finer = divided(ends, parts)
@@ -52,15 +56,17 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         # error of steps not divided: e (sum of their drift) / (sum of all)
         left = error * drift[whole].sum() / drift.sum() if whole.any() else 0.0
         # e = left + |m(fine) - m(coarse)| / scale
-        error = left + difference(coarse, fine, at, by_penalties=bool(raised))
+        errors.append(left + difference(coarse, fine, at, by_penalties=bool(raised)))
         # half of the drift in either half of a divided step
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
         ends, coarse = finer, fine
-    raise ValueError(
-        f"load steps within the tolerance {tolerance:g} were not found: the error with {len(ends)} "
-        f"steps is still {error:.2g}; allow a larger tolerance in [steps], or give steps in every "
-        "stage"
-    )
+    return ends, coarse, errors[-1]
+
+
+def _does_not_settle(errors: list) -> bool:
+    """Whether the last error is above ``SETTLING`` times all but the one before it."""
+    # the first one is infinite
+    return len(errors) > 3 and errors[-1] > SETTLING * min(errors[:-2])
 
 
 def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:

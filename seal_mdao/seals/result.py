@@ -31,6 +31,8 @@ from seal_mdao.structure.particle_stress import deformation_gradients, particle_
 
 FACTOR_MEMORY = 2.0
 """Memory for the factors that are cached for sensitivities, GiB."""
+UNUSABLE = 0.1
+"""Largest error by chosen load steps with which results are used."""
 KNOWN_PLACES = 256
 """Number of measures whose evaluation points are cached, the most recently used ones."""
 ADVICE = (
@@ -126,19 +128,19 @@ class SealResult:
 
     @property
     def trustworthy(self) -> bool:
-        """Whether the path was completed and its end has no fault that makes the results
-        unusable."""
+        """Whether the path was completed and has no fault that makes the results unusable."""
         return self.converged and not self.faults
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """Faults at the end of a completed path (``seals.checks``) that make the results unusable, one
-        line each; empty for a path that was not completed."""
+        """Faults of a completed path that make the results unusable, one line each: at its end
+        (``seals.checks``), and an error by its load steps above ``UNUSABLE``; empty for a path that was
+        not completed."""
         if not self.converged:
             return ()
-        return tuple(
-            found.text for found in findings(self.path) if found.impossible or found.meaningless
-        )
+        steps = self.seal.step_warnings if self.seal.step_error > UNUSABLE else ()
+        ends = (own.text for own in findings(self.path) if own.impossible or own.meaningless)
+        return (*steps, *ends)
 
     @cached_property
     def penalty_error(self) -> dict:

@@ -84,6 +84,8 @@ class Seal:
         the offsets, both complex for complex offsets; the area of the cells when left out.
     offset_limit : float
         Largest offset, mm.
+    step_error : float
+        Estimated relative error by load steps that were chosen, where it is above their tolerance.
     clear_designs : bool
         Whether a profile inside of which a changed design would begin starts farther back
         (``seals.clear_start``); of the class. Otherwise the design is refused.
@@ -111,6 +113,7 @@ class Seal:
     before_touch: float = 0.0
     section_area: Callable | None = None
     offset_limit: float = np.inf
+    step_error: float = 0.0
 
     def __post_init__(self):
         # sizes and kinds of all parts
@@ -372,7 +375,19 @@ class Seal:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Known causes of inaccurate results of this seal, one line each."""
-        return ()
+        return self.step_warnings
+
+    @property
+    def step_warnings(self) -> tuple[str, ...]:
+        """Warning of an error by load steps above the tolerance for which they were chosen."""
+        if not self.step_error:
+            return ()
+        return (
+            f"{self.n_steps} load steps still err by {self.step_error:.1%} of the largest force or "
+            "measure, and more of them do not help: the other warnings name the cause, often a loss of "
+            "stability, or walls that meet without [self_contact]; change the section, or end the "
+            "travel before",
+        )
 
     # ---- design ----
 

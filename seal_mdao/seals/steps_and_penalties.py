@@ -15,11 +15,13 @@ penalties are attributes of the seal afterwards: functions of the design stay sm
 """
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import store_path
 from seal_mdao.seals.penalty_error import penalties_of
 from seal_mdao.seals.profiles import motions
@@ -48,7 +50,8 @@ class Choice(NamedTuple):
         The penalties that were chosen, by their names in ``Seal.scalars``, kPa/mm.
     step_error : float or None
         Estimated error by the load steps, of a measure over its largest value at the end, and of a
-        force anywhere on the path over its largest one; None where the steps were given.
+        force anywhere on the path over its largest one; None where the steps were given. Above the
+        tolerance, as ``step_error`` of the seal, where more steps do not reduce it.
     penalty_error : float or None
         Largest estimated error by the penalties that were chosen, relative, of a measure; None where
         they were given, and where a path in steps that were given cannot be completed.
@@ -65,12 +68,13 @@ class _Analyses:
     """Analyses of a seal in other steps and with other penalties, in a row, with one discretisation.
 
     One that begins with the load steps of the last resumes after them. Their number is reported to a
-    callback with a method ``begin_analysis``.
+    callback with a method ``begin_analysis``, what is impossible in their results to ``faults``.
     """
 
     def __init__(self, callback: Callable | None):
         self.callback, self.number, self.discretization = callback, 0, None
         self.report = getattr(callback, "begin_analysis", None)
+        self.tell = getattr(callback, "faults", None)
         # seal, ends of load steps and states of the last path
         self.last = None, np.empty(0), {}
 
@@ -92,6 +96,9 @@ class _Analyses:
         )  # fmt: skip
         # steps and penalties do not change the discretised body
         self.discretization = result.path.discretization
+        if self.tell is not None and result.converged:
+            # before further analyses, which may take long
+            self.tell([own.text for own in findings(result.path) if own.impossible])
         return result
 
     def _common(self, seal: Seal, ends: np.ndarray) -> dict:
@@ -130,14 +137,15 @@ def choose(
     callback : callable, optional
         Called with each ``ConvergedStep`` that completes a nominal step. Its method
         ``begin_analysis``, where it has one, is called before every analysis with its number, the
-        number that there will be at the least, and its load steps.
+        number that there will be at the least, and its load steps; its method ``faults`` after it with
+        a list of messages.
 
     Raises
     ------
     LoadPathError
         When the path cannot be completed and steps are to be chosen.
     ValueError
-        When a tolerance is no such number, or load steps within it are not found in ``ROUNDS`` rounds.
+        When a tolerance is no such number.
     """
     # relative tolerances in (0, 1]
     for name, tolerance in (
@@ -150,7 +158,7 @@ def choose(
     names = frozenset(p.name for p in penalties_of(seal) if p.name in wanted)
     # first path: coarse steps, or some of the given ones
     begun = _divided_stages(seal, coarse) if step_tolerance is not None else _thinned(seal, coarse)
-    ends, result = _first_path(seal, begun, run, more=1)
+    ends, result = _first_path(seal, begun, run, 1, given=step_tolerance is None)
     if not result.converged:
         if step_tolerance is not None:
             result.require_converged()
@@ -169,6 +177,10 @@ def choose(
             seal, ends, result, step_tolerance, names, penalty_tolerance, run
         )
         chosen = result.seal
+        if error > step_tolerance:
+            # the analysis says so
+            chosen = replace(chosen, step_error=error)
+            result = replace(result, seal=chosen)
     # the last path is the analysis of the chosen seal: solve it once only
     if result.seal.key == chosen.key:
         store_path(chosen, result.path)
@@ -190,13 +202,13 @@ def _thinned(seal: Seal, coarse: int) -> np.ndarray:
     return np.unique(np.concatenate([*stages, np.arange(every, seal.n_steps, every)])).astype(float)
 
 
-def _first_path(seal: Seal, ends: np.ndarray, run, more: int):
-    """Find load steps with which the path is completed: halve them while it fails, up to ``MOST`` times
-    as many. Return their ends and the path."""
-    most = MOST * len(ends)
+def _first_path(seal: Seal, ends: np.ndarray, run, more: int, given: bool):
+    """Find load steps with which the path is completed: all that are ``given``, or the halves of those
+    before, up to ``MOST`` times as many. Return their ends and the path."""
+    every, most = np.arange(1.0, seal.n_steps + 1.0), MOST * len(ends)
     while True:
         result = run(seal, ends, more)
-        if result.converged or len(ends) >= most:
+        if result.converged or len(ends) >= (len(every) if given else most):
             return ends, result
-        # halve all steps, since a failed path gives no error to compare
-        ends = divided(ends, 2)
+        # a failed path gives no error to compare: no other division than that of all steps
+        ends = every if given else divided(ends, 2)

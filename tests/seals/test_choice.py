@@ -14,7 +14,7 @@ from seal_mdao.seals.door.door_seal import options_of, with_options
 from seal_mdao.seals.penalty_error import SMALL, least_scale
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.refined_steps import divided, force_difference, measure_difference
-from seal_mdao.seals.result import Known, analyze_particles
+from seal_mdao.seals.result import UNUSABLE, Known, analyze_particles
 from seal_mdao.seals.settings import seal_of
 from seal_mdao.seals.steps_and_penalties import choose
 
@@ -75,9 +75,38 @@ def test_division_keeps_the_ends():
     assert set(ends) <= set(divided(ends, 4))
 
 
-def test_a_tolerance_that_is_not_reached_is_told():
-    with pytest.raises(ValueError, match="were not found"):
-        choose(sm.door_seal(n_steps=1, depth=0.6), 1e-14, coarse=1)
+def test_a_tolerance_that_is_not_reached_is_told(monkeypatch):
+    monkeypatch.setattr("seal_mdao.seals.refined_steps.ROUNDS", 2)
+    choice = choose(sm.door_seal(n_steps=1, **SHORT), 1e-9, coarse=8)
+    assert 16 < len(choice.ends) == choice.seal.n_steps <= 32
+    assert choice.seal.step_error == choice.step_error > 1e-9
+    (text,) = choice.seal.warnings
+    assert text.startswith(f"{len(choice.ends)} load steps still err by {choice.step_error:.1%}")
+    # the path of the last round is the analysis
+    result = sm.analyze(choice.seal)
+    assert text in result.warnings
+    assert result.trustworthy == (choice.step_error <= UNUSABLE)
+    assert not replace(result, seal=replace(result.seal, step_error=2.0 * UNUSABLE)).trustworthy
+
+
+def jumping(error):
+    """Differences of two paths that do not fall with the steps."""
+    return lambda coarse, fine, at, by_penalties=False: error
+
+
+def test_divisions_end_where_they_do_not_help(monkeypatch):
+    monkeypatch.setattr("seal_mdao.seals.refined_steps.difference", jumping(0.2))
+    seal = sm.door_seal(n_steps=1, depth=0.6)
+    choice = choose(seal, TOLERANCE, coarse=1)
+    # three divisions of all or most of the steps: the third error is not half of the first
+    assert choice.step_error >= 0.2
+    assert len(choice.ends) <= 8
+    # of first order: no end before the tolerance
+    errors = iter(0.2 * 0.5 ** np.arange(12))
+    monkeypatch.setattr(
+        "seal_mdao.seals.refined_steps.difference", lambda *given, **options: next(errors)
+    )
+    assert choose(seal, 0.01, coarse=1).step_error <= 0.02
 
 
 def test_a_seal_that_stands_free_at_the_end_is_compared_with_its_path():

@@ -106,8 +106,10 @@ def door_seal(
         return _built(options)
     values.real("step_tolerance", step_tolerance, above=0.0, high=1.0)
     # one nominal step, so that the ends are fractions of the path
-    ends = choose(_built(replace(options, n_steps=1, step_ends=None)), step_tolerance).ends
-    return _built(replace(options, n_steps=len(ends), step_ends=ends))
+    choice = choose(_built(replace(options, n_steps=1, step_ends=None)), step_tolerance)
+    seal = _built(replace(options, n_steps=len(choice.ends), step_ends=choice.ends))
+    found = choice.step_error > step_tolerance
+    return replace(seal, step_error=choice.step_error) if found else seal
 
 
 def options_of(seal: Seal) -> DoorOptions:

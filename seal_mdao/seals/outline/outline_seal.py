@@ -135,7 +135,7 @@ class OutlineSeal(Seal):
         size = unusual_size(np.ptp(self.nominal_particles, axis=0))
         # with the changed parameters
         unusual = unusual_values(self._terms[0])
-        return (*([size] if size else []), *unusual, *self._few_layers())
+        return (*super().warnings, *([size] if size else []), *unusual, *self._few_layers())
 
     def _few_layers(self) -> tuple[str, ...]:
         if isinstance(self.spacing, Rays):
