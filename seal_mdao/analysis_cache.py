@@ -85,7 +85,8 @@ class AnalysisCache:
         # removed above and inserted again: now the most recently used
         if result.converged:
             self._results[key] = result
-        return replace(result, seal=seal, boundary_offsets=boundary_offsets)
+        # its seal is an equal one, or that with profiles that start farther back
+        return replace(result, boundary_offsets=boundary_offsets)
 
     def _free_memory(self, key, result: SealResult) -> None:
         """Free memory for a new result; the one before it loses its factors."""

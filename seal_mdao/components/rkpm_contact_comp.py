@@ -49,7 +49,7 @@ class RkpmContactComp(RandomDirectionsComp):
         declare_seal_options(self.options)
 
     def setup(self):
-        seal = self.options["seal"]
+        seal = self.options["seal"] = self.options["seal"].placed(self.options["parameters"])
         check_parameters(seal, self.options["parameters"])
         cache = self.options["cache"]
         self._failed = self._result = None

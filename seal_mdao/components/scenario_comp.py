@@ -75,7 +75,8 @@ class ScenarioComp(RandomDirectionsComp):
 
     def setup(self):
         scenarios = self.options["scenarios"]
-        seal = scenarios.placed(self.options["seal"])
+        names = (*scenarios.parameters, *self.options["parameters"])
+        seal = self.options["seal"].placed(names)
         check_parameters(seal, self.options["parameters"])
         # all errors of the options are raised here, before processes are started
         scenarios.check(seal)

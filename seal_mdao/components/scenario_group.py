@@ -59,7 +59,8 @@ class ScenarioGroup(DesignGroup):
     def setup(self):
         scenarios = self.options["scenarios"]
         # the settings of the seal in recorder files include its placement parameters
-        seal = self.options["seal"] = scenarios.placed(self.options["seal"])
+        names = (*scenarios.parameters, *self.options["parameters"])
+        seal = self.options["seal"] = self.options["seal"].placed(names)
         self.options[SCENARIOS_OPTION] = [json.dumps(scenarios.table(seal))]
         super().setup()
         # selections by the nominal analysis are made once, so that outputs keep their sizes

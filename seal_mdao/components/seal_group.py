@@ -50,8 +50,9 @@ class SealGroup(DesignGroup):
         declare_seal_options(self.options)
 
     def setup(self):
+        # the settings of the seal in recorder files include its placement parameters
+        seal = self.options["seal"] = self.options["seal"].placed(self.options["parameters"])
         super().setup()
-        seal = self.options["seal"]
         self.add_subsystem("geometry", SplineGeometryComp(seal=seal), promotes=["*"])
         self.add_subsystem("section", AreaComp(seal=seal), promotes=["*"])
         # all options of the group but its settings

@@ -109,12 +109,6 @@ class Scenarios:
         """Names of all parameters that vary, each once."""
         return tuple(dict.fromkeys(name for own in self.variations for name in own.parameters))
 
-    def placed(self, seal: Seal) -> Seal:
-        """Return the seal with placement parameters (``Seal.with_placements``) if a parameter varies
-        that it does not have, such as ``lid_y``; the seal itself otherwise."""
-        known = all(name in seal.scalars for name in self.parameters)
-        return seal if known else seal.with_placements()
-
     def check(self, seal: Seal) -> None:
         """Raise ValueError if a seal lacks the parameters, or has another number of offsets."""
         unknown = [name for name in self.parameters if name not in seal.scalars]

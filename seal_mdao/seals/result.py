@@ -558,8 +558,8 @@ def analyze_particles(
     """Analyse a seal with given particles (n, 2), mm; otherwise as ``analyze``.
 
     Factors of converged tangents are cached up to ``factor_memory`` (GiB). A profile inside of which the
-    particles of a changed design would begin starts farther back where the seal has ``clear_designs``;
-    ``SealResult.seal`` is then that with the other start.
+    particles of a changed design, or of a seal with changed parameters, would begin starts farther back
+    where the seal has ``clear_designs``; ``SealResult.seal`` is then that with the other start.
     """
     # the choice of steps and penalties has solved this path already
     path = take_path(seal, particles)
@@ -586,9 +586,9 @@ def analyze_particles(
             known.near,
         )  # fmt: skip
     except GeometryError:
-        # a design that has grown into a profile: that begins farther back
-        grown = seal.clear_designs and not np.array_equal(particles, seal.nominal_particles)
-        clear = with_clear_starts(seal, particles) if grown else seal
+        # a design that has grown into a profile, or a profile placed inside: it begins farther back
+        changed = bool(seal.changed) or not np.array_equal(particles, seal.nominal_particles)
+        clear = with_clear_starts(seal, particles) if seal.clear_designs and changed else seal
         if clear is seal:
             raise
         return analyze_particles(

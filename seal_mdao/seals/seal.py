@@ -87,8 +87,8 @@ class Seal:
     step_error : float
         Estimated relative error by load steps that were chosen, where it is above their tolerance.
     clear_designs : bool
-        Whether a profile inside of which a changed design would begin starts farther back
-        (``seals.clear_start``); of the class. Otherwise the design is refused.
+        Whether a profile inside of which a changed design, or a seal with changed parameters, would
+        begin starts farther back (``seals.clear_start``); of the class. Otherwise the design is refused.
 
     Raises
     ------
@@ -306,8 +306,8 @@ class Seal:
         """Return the seal with placement parameters of every profile and of moved edges: ``<label>_x``,
         ``<label>_y`` (mm) and ``<label>_angle`` (degrees about its pivot), zero at the nominal position.
 
-        They move a profile along its whole path; a sample whose profile would begin inside of the seal
-        begins farther back (``seals.clear_start``). A profile with parameters of its own that move its
+        They move a profile along its whole path; a profile that would begin inside of the seal begins
+        farther back (``seals.clear_start``). A profile with parameters of its own that move its
         start, as the door of the door seal has ``door_shift`` and ``door_angle``, stays as it is.
         """
         definitions = tuple(map(_placed, self.definitions))
@@ -318,6 +318,12 @@ class Seal:
             return self
         other = replace(self, definitions=definitions, imposed_displacements=imposed)
         return other._made_as(self, placements=True)
+
+    def placed(self, names) -> "Seal":
+        """Return the seal with placement parameters (``with_placements``) if it does not have one of the
+        scalar parameters ``names``, such as ``lid_y``; the seal itself otherwise."""
+        known = all(name in self.scalars for name in names)
+        return self if known else self.with_placements()
 
     # ---- description, from which the seal can be rebuilt ----
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import openmdao.api as om
 import pytest
 from seal_file.block_files import FIXED, LID, seal_of
 
@@ -136,11 +137,12 @@ def test_the_door_of_the_door_seal_backs_off():
     assert found.values == pytest.approx(roomy.values, rel=1e-3)
 
 
-def test_means_that_begin_inside_with_their_particles_are_refused(tmp_path):
+def test_means_that_begin_inside_with_their_particles_are_refused(tmp_path, monkeypatch):
     """By 1e-4 mm in a spacing of 1 mm, within which means of a curved edge may lie beside it."""
     lid = LID.replace("friction = 0.3", 'friction = 0.3\ncontact_points = "averages"')
     seal = seal_of(tmp_path, FIXED, lid).with_placements()
     words = r"starts 0\.0001 mm inside the rigid profile 'lid'; .* the parameters lid_x and lid_y\)"
+    monkeypatch.setattr(type(seal), "clear_designs", False)
     with pytest.raises(sm.GeometryError, match=words):
         sm.analyze(seal, parameters={"lid_y": -0.0201})
     assert sm.analyze(seal, parameters={"lid_y": -0.0199}).converged
@@ -181,6 +183,42 @@ def test_a_design_that_grows_into_a_profile_begins_farther_back(tmp_path):
             for sign in (1.0, -1.0)
         ]
         assert gradient[place] == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5)
-    inside = seal.with_placements()
-    with pytest.raises(sm.GeometryError, match="the parameters lid_x and lid_y"):
-        sm.analyze(inside, parameters={"lid_y": -0.05})
+
+
+@pytest.mark.filterwarnings("ignore:.*the result is not trustworthy")
+def test_a_profile_placed_inside_begins_farther_back(tmp_path):
+    """In an analysis, in both groups, and with the derivatives of this path."""
+    seal, lowest = seal_of(tmp_path, FIXED, LID, TOP), -0.3
+    higher = LID.replace("4.02]", "4.22]").replace("-0.5], steps = 3", "-1.0], steps = 6")
+    result = sm.analyze(seal.with_placements(), parameters={"lid_y": lowest})
+    assert result.seal.definitions[1].motion.clearance[1] >= 0.28
+    far = sm.analyze(seal_of(tmp_path, FIXED, higher, TOP))
+    assert result.reaction[-1, 1] == pytest.approx(far.reaction[-1, 1], rel=0.01)
+    # the group gives the seal the parameter that it lacks; a cached result has the other start
+    cache = sm.AnalysisCache()
+    alone = om.Problem(sm.SealGroup(seal=seal, parameters=("lid_y",), cache=cache), reports=None)
+    alone.setup()
+    alone.set_val("lid_y", lowest)
+    alone.run_model()
+    assert alone.get_val("reaction") == pytest.approx(result.reaction[-1, 1], rel=1e-15)
+    settings = seal.with_placements().settings()
+    assert alone.model.options["seal_settings"] == [settings]
+    again = cache.analyze(seal.with_placements(), parameters={"lid_y": lowest})
+    assert cache.made == 1 + seal.standard[0].selects_points
+    assert again.seal.definitions[1].motion.clearance[1] >= 0.28
+    shifted = sm.Scenarios((sm.Variation("lid_y", "shift"),), np.array([[0.0], [lowest]]))
+    many = om.Problem(sm.ScenarioGroup(seal=seal, scenarios=shifted, workers=0), reports=None)
+    many.setup()
+    many.run_model()
+    assert many.get_val("reaction_scenarios")[1].tobytes() == alone.get_val("reaction").tobytes()
+    slope = alone.compute_totals(["reaction"], ["lid_y"], return_format="array").item()
+    h = 1e-5
+    up, down = (
+        sm.analyze(seal.with_placements(), parameters={"lid_y": lowest + own}).reaction[-1, 1]
+        for own in (h, -h)
+    )
+    assert slope == pytest.approx((up - down) / (2.0 * h), rel=1e-5)
+    # names that no placement has are refused as before
+    wrong = om.Problem(sm.SealGroup(seal=seal, parameters=("lid_z",)), reports=None)
+    with pytest.raises(ValueError, match=r"unknown parameter 'lid_z'.*, lid_y"):
+        wrong.setup()
