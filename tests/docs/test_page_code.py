@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -167,6 +168,13 @@ def test_own_openmdao_model(run_page):
     )
     assert names["coloring"].total_solves() == 1
     assert [case.name[-1] for case in names["good"]] == ["0", "2"]
+    best = min(case["gap_square_sum"].item() for case in names["good"])
+    assert names["doe"].get_val("gap_square_sum").item() == names["best"]["gap_square_sum"] == best
+    lower, slope = names["lower"], names["of_position"]["reaction", "plate_y"].item()
+    force = sm.analyze(names["bulb"]).reaction[-1, 1]
+    assert lower.get_val("reaction")[0] > force
+    assert slope < 0.0
+    assert all(Path(name).stat().st_size > 10_000 for name in ("section.png", "force.png"))
     # a thicker wall has more rubber and a larger force; a hole that moves has nearly the same rubber
     of_hole, bulb = names["of_hole"], names["bulb"]
     thicker, lift = (of_hole["area", name][0, 0] for name in ("thicker", "lift"))
