@@ -172,7 +172,7 @@ def test_chosen_before_they_are_not_chosen_again(bulb, tmp_path):
     for wrong in ([0.5, 2.0], [0.5, 1.0], [0.0, 1.0, 2.0]):
         with pytest.raises(sm.SealFileError, match="ends of load steps must increase and contain"):
             sm.build_seal(file, step_ends=wrong)
-    with pytest.raises(sm.SealFileError, match="the file gives the load steps"):
+    with pytest.raises(sm.SealFileError, match="the stages of the seal file have steps"):
         sm.build_seal(read(tmp_path, COARSE), step_ends=[1.0, 2.0])
 
 
