@@ -11,6 +11,7 @@ from seal_mdao import plotting
 from seal_mdao.accuracy.error_estimate import estimate_errors
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import (
+    NAME_OF_FILE,
     announce,
     critical_table,
     parser,
@@ -345,7 +346,10 @@ def stress_line(summary: dict) -> str:
 
 def arguments_parser():
     made = parser(
-        __doc__, "out/seal", "FILE", "seal-mdao analyze examples/d_bulb.toml --out out/d_bulb"
+        __doc__,
+        f"out/{NAME_OF_FILE}",
+        "FILE",
+        "seal-mdao analyze examples/d_bulb.toml --out out/d_bulb",
     )
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(

@@ -41,6 +41,8 @@ SAMPLES = "samples.sqlite"
 
 CTRL_C = 130
 """Exit status after Ctrl-C: 128 + SIGINT, as shells report it."""
+NAME_OF_FILE = "NAME_OF_FILE"
+"""Last part of a default output folder that stands for the name of the seal file."""
 
 
 class WrongArgumentError(Exception):
@@ -90,7 +92,7 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     accuracy."""
     # defaults are those of the nominal door seal
     nominal = DoorOptions()
-    group = made.add_argument_group("model")
+    group = made.add_argument_group("door seal of the paper (without a seal file)")
 
     def add(name: str, kind, text: str, **more):
         flag, default = f"--{name.replace('_', '-')}", getattr(nominal, name)
@@ -206,6 +208,9 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     # a restart writes beside its recorder file unless --out is given
     if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
+    if "out" not in arguments.given and arguments.out.name == NAME_OF_FILE:
+        # a folder for every seal file, so that none overwrites the results of another one
+        arguments.out = arguments.out.with_name(arguments.file.stem)
     # fail on an unwritable folder before any analysis
     _require_folder(made, arguments.out)
     before = _files(arguments.out)

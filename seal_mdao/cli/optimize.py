@@ -18,6 +18,7 @@ from seal_mdao.cli.arguments import (
     write_summary,
 )
 from seal_mdao.cli.history_figures import draw_designs, history_rows, limit_numbers, report_limits
+from seal_mdao.cli.optimum_warnings import meaningless_limits, violated_anew
 from seal_mdao.cli.recorded_runs import recorded_optimizer, recorder_file
 from seal_mdao.cli.running_optimization import (
     add_optimization_arguments,
@@ -80,7 +81,13 @@ def main(arguments) -> int:
     drawing, anew = write_best(file, seal, offsets, cache, arguments.out)
     # second time, complete
     penalties = {"penalty_error": penalty_table(results[1])}
-    write_summary(arguments.out, how | ends | gaps | penalties | {"on_new_cloud": anew} | designs)
+    # limits that do not hold with other particles, or limit a meaningless stress
+    measures = frozen_measures(seal, measure_names(file), cache.analyze)
+    doubts = [*violated_anew(ends["constraints"], anew), *meaningless_limits(results[1], measures)]
+    doubts += gaps["unmeasured_gaps"]
+    warned = {"warnings": [*results[1].warnings, *doubts]}
+    new = {"on_new_cloud": anew}
+    write_summary(arguments.out, how | ends | gaps | penalties | warned | new | designs)
     draw_designs(history, results, arguments.out)
     # key figures of the report
     own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
@@ -88,7 +95,7 @@ def main(arguments) -> int:
     # the page has the warnings of both designs itself
     write_report(
         cases, arguments.out / "report.html", cache=cache, further=targets, figures=own_figures,
-        notes=gaps["unmeasured_gaps"],
+        notes=doubts,
     )  # fmt: skip
     # console: run, limits, key figures, warnings
     report_run(optimizer, numbers, arguments)
@@ -97,7 +104,7 @@ def main(arguments) -> int:
         print(f"{name}: {value} {text}")
     report_anew(ends, anew)
     print_warnings(results[0], " (first design)")
-    print_warnings(results[1], " (last design)", gaps["unmeasured_gaps"])
+    print_warnings(results[1], " (last design)", doubts)
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     # after Ctrl-C the best design so far has been written
     if numbers["message"].startswith(INTERRUPTED):

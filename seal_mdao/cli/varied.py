@@ -73,6 +73,8 @@ class Varied:
         """
         files = self.files(file, values)
         seal = seal_of(file, unchosen=self.unchosen) if self.change is None else None
+        if seal is not None and self.name not in seal.scalars:
+            seal = seal.with_placements()
         for own, value in zip(files, values, strict=True):
             if seal is not None:
                 yield seal, {self.name: float(value)}
@@ -95,7 +97,8 @@ def varied(file: SealFile, name: str) -> Varied:
     if "." in name:
         return _number_of(tables, name)
     unchosen = filled(file)
-    scalars = unchosen.scalars
+    # as for tolerances, placements of profiles are parameters
+    scalars = unchosen.with_placements().scalars
     travels = {f"{own.name}_{TRAVEL}": own.name for own in file.profiles if own.travel}
     known = [*scalars, *travels]
     own = parameter_name("--vary", name, known, f"; numbers of the file are {_listed(tables)}")

@@ -80,9 +80,6 @@ def built(
     """Build the seal of a file that was read, as ``build_seal``, without its description."""
     seal = unchosen_seal(file) if unchosen is None else unchosen
     tolerance, names = file.step_tolerance, file.open_penalties
-    if file.tolerance is not None:
-        # placements of profiles are parameters that may vary
-        file.tolerance.check(f"{file.path}: [tolerance.", seal.with_placements())
     try:
         # what was chosen before takes the place of a choice
         if penalties is not None:
@@ -122,6 +119,9 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
     _check_places(file, seal)
+    if file.tolerance is not None:
+        # placements of profiles are parameters that may vary
+        file.tolerance.check(f"{file.path}: [tolerance.", seal.with_placements())
     return replace(seal, standard=tuple(_measures(file, seal)))
 
 

@@ -12,6 +12,9 @@ from seal_mdao.seals.file.schema import Table, chosen_by, key, known, table, tab
 from seal_mdao.seals.seal import Seal
 from seal_mdao.values import formatted
 
+TRAVEL = "_travel"
+"""Ending of the names of travels, which are no parameters of a seal."""
+
 
 @table(kw_only=True)
 class VaryTable(Table):
@@ -108,6 +111,13 @@ class ToleranceTable(Table):
         for name, own in self.vary.items():
             place = f"{where}vary.{name}]"
             for parameter in own.parameters or (name,):
+                label = parameter.removesuffix(TRAVEL)
+                if label != parameter and f"{label}_y" in seal.scalars:
+                    raise SealFileError(
+                        f"{place}: {parameter} can vary in sweeps only; a tolerance of the end of a "
+                        f"travel is one of the placement: {label}_x, {label}_y (shift, mm) or "
+                        f"{label}_angle (degrees)"
+                    )
                 known(place, "parameters", parameter, list(seal.scalars), "parameter of the seal")
                 # 0 n = 0: nothing would vary
                 if own.kind == FACTOR and seal.scalars[parameter].value == 0.0:

@@ -1,0 +1,62 @@
+"""Names of parameters in sweeps and tolerances, default folders, headings of options."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import seal_mdao as sm
+from seal_mdao.cli.subcommands import main
+
+pytest.importorskip("netgen")
+BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text(encoding="utf-8")
+QUICK = BULB.replace("spacing = 0.9", "spacing = 1.4").replace("steps = 40", "steps = 4")
+SHIFTED = '[tolerance.vary.{}]\ndistribution = "uniform"\nkind = "shift"\nlow = -0.1\nhigh = 0.1\n'
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(QUICK, encoding="utf-8")
+    return tmp_path / "mine.toml"
+
+
+def test_every_command_checks_the_parameters_of_tolerances(file, capsys):
+    file.write_text(QUICK + SHIFTED.format("door_travel"), encoding="utf-8")
+    assert main(["check", str(file)]) == 2
+    said = capsys.readouterr().err
+    assert "[tolerance.vary.door_travel]: door_travel can vary in sweeps only" in said
+    assert "door_y" in said
+    file.write_text(QUICK + SHIFTED.format("dor_y"), encoding="utf-8")
+    assert main(["check", str(file)]) == 2
+    assert "did you mean 'door_y'?" in capsys.readouterr().err
+    file.write_text(QUICK + SHIFTED.format("door_y"), encoding="utf-8")
+    assert main(["check", str(file)]) == 0
+
+
+def test_a_sweep_varies_the_placement_of_a_profile(file):
+    """A plate that lies 0.2 mm lower presses as one that travels 0.2 mm more."""
+    main(["sweep", str(file), "--vary", "door_y=-0.2,0.0".replace("=", " ").split()[0], "-0.2,0.0"])
+    rows = json.loads(Path("out/sweep/summary.json").read_text())["values"]
+    low, nominal = (row["door_Fy_N_per_m"] for row in rows)
+    seal = sm.build_seal(file)
+    assert nominal == pytest.approx(sm.analyze(seal).path.reaction("door")[-1, 1], rel=1e-12)
+    shifted = sm.analyze(seal.with_placements(), parameters={"door_y": -0.2})
+    assert low == pytest.approx(shifted.path.reaction("door")[-1, 1], rel=1e-12)
+    assert low > 1.01 * nominal
+
+
+def test_an_analysis_writes_to_a_folder_of_its_file(file):
+    assert main(["analyze", str(file), "--no-vtu", "--quiet"]) in (0, 1)
+    assert Path("out/mine/summary.json").is_file()
+    assert not Path("out/seal").exists()
+
+
+@pytest.mark.parametrize("command", ["study", "robust"])
+def test_options_of_the_built_in_seal_have_a_heading(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    text = capsys.readouterr().out
+    own, built_in = text.split("door seal of the paper (without a seal file):")
+    assert "--rays" not in own.partition("options:")[2]
+    assert "--rays" in built_in
