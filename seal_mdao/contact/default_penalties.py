@@ -1,6 +1,6 @@
 """Default contact penalties from the modulus of the body and the distance of its particles.
 
-``seals.raised_penalties`` raises them where their error (``seals.penalty_error``) is too large.
+``seals.adjusted_penalties`` adapts them to their error (``seals.penalty_error``).
 
 A contact of penalty w gives way by p/w under a pressure p, a body of size L and modulus E by about
 p L/E. With w = 1000 E/h the contact is some thousand times stiffer than the cells beside it.

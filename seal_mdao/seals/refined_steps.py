@@ -6,14 +6,14 @@ the penalties differ as well, their estimated effect on measures is taken off.
 
 import numpy as np
 
-from seal_mdao.seals.penalty_error import penalty_errors, scale_of, standard_measures
-from seal_mdao.seals.profiles import contacts, moved_edges
-from seal_mdao.seals.raised_penalties import (
+from seal_mdao.seals.adjusted_penalties import (
     CORRECTIONS,
+    adjusted_penalties,
     is_too_costly,
-    raised_penalties,
     with_own_parameters,
 )
+from seal_mdao.seals.penalty_error import penalty_errors, scale_of, standard_measures
+from seal_mdao.seals.profiles import contacts, moved_edges
 from seal_mdao.seals.result import SealResult
 
 ROUNDS = 10
@@ -26,7 +26,7 @@ paths are needed; with more there are as many paths."""
 
 
 def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty_tolerance, run):
-    """Refine load steps and raise penalties until both errors are within their tolerances.
+    """Refine load steps and adjust penalties until both errors are within their tolerances.
 
     Returns the ends of the steps, the path, and its estimated error by the steps. The error is
     estimated by the change in the last division, since it is at least of first order in the step size;
@@ -37,26 +37,26 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
     errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
     for _ in range(ROUNDS):
         error = errors[-1]
-        raised = raised_penalties(coarse, names, penalty_tolerance) if corrections else {}
-        if (error <= tolerance and not raised) or _does_not_settle(errors):
+        changed = adjusted_penalties(coarse, names, penalty_tolerance) if corrections else {}
+        if (error <= tolerance and not changed) or _does_not_settle(errors):
             break
-        # next path: divided steps, raised penalties
+        # next path: divided steps, other penalties
         parts = _parts(error, drift, tolerance)
         finer = divided(ends, parts)
-        stiffer = with_own_parameters(seal.with_parameters(raised)) if raised else seal
-        fine = run(stiffer, finer, 0)
-        # higher penalties that converge badly are given up
-        if raised and is_too_costly(fine, coarse):
-            stiffer, corrections = seal, 1
+        other_seal = with_own_parameters(seal.with_parameters(changed)) if changed else seal
+        fine = run(other_seal, finer, 0)
+        # other penalties that converge worse are given up
+        if changed and is_too_costly(fine, coarse):
+            other_seal, corrections = seal, 1
             fine = run(seal, finer, 0)
         fine.require_converged()
-        seal, corrections = stiffer, corrections - bool(raised)
+        seal, corrections = other_seal, corrections - bool(changed)
         # index of the matching fine step; steps that were not divided
         at, whole = np.cumsum(parts) - 1, parts == 1
         # error of steps not divided: e (sum of their drift) / (sum of all)
         left = error * drift[whole].sum() / drift.sum() if whole.any() else 0.0
         # e = left + |m(fine) - m(coarse)| / scale
-        errors.append(left + difference(coarse, fine, at, by_penalties=bool(raised)))
+        errors.append(left + difference(coarse, fine, at, by_penalties=bool(changed)))
         # half of the drift in either half of a divided step
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
         ends, coarse = finer, fine

@@ -1,12 +1,13 @@
 """Choose load steps and contact penalties by tolerance, once on the nominal seal; then they are fixed.
 
-Which steps are divided is in ``refined_steps``, how penalties grow in ``raised_penalties``, their
+Which steps are divided is in ``refined_steps``, how penalties change in ``adjusted_penalties``, their
 initial values in ``contact.default_penalties``, how one step is solved in ``analysis.load_path``, the
 keys of seal files in ``seals.file.load_steps``.
 
 A coarse path comes first. Where its estimated error of a measure by the penalties (``penalty_error``),
 the penetration or the elastic slip in stick is above the tolerance, the next path has penalties that
-are higher by the ratio of the two. That path has the steps that are given, or where they are chosen
+are higher by the ratio of the two. Where the error is far below it and the iterations converge badly,
+they are lower. That path has the steps that are given, or where they are chosen
 each step halved; then those are halved in which the last two paths drift apart, until what the halving
 changes is below the tolerance. What a change of the penalties does to measures is taken off by its
 estimate, what else it does to the path counts as an error of the steps. The last path is the analysis
@@ -21,11 +22,15 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao import values
+from seal_mdao.seals.adjusted_penalties import (
+    penalty_values,
+    relative_error,
+    with_adjusted_penalties,
+)
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.chosen_path import store_path
 from seal_mdao.seals.penalty_error import penalties_of
 from seal_mdao.seals.profiles import motions
-from seal_mdao.seals.raised_penalties import penalty_values, relative_error, with_raised_penalties
 from seal_mdao.seals.refined_steps import divided, with_refined_steps
 from seal_mdao.seals.result import FACTOR_MEMORY, Known, SealResult, analyze_particles
 from seal_mdao.seals.seal import Seal
@@ -166,13 +171,13 @@ def choose(
         return Choice(
             seal, tuple(np.arange(1.0, seal.n_steps + 1.0)), penalty_values(seal, names), None, None
         )
-    # given steps: raise the penalties alone
+    # given steps: adjust the penalties alone
     if step_tolerance is None:
         chosen, ends, error = seal, np.arange(1.0, seal.n_steps + 1.0), None
         if names:
-            chosen, result = with_raised_penalties(seal, result, names, penalty_tolerance, run)
+            chosen, result = with_adjusted_penalties(seal, result, names, penalty_tolerance, run)
     else:
-        # refine steps and raise penalties together
+        # refine steps and adjust penalties together
         ends, result, error = with_refined_steps(
             seal, ends, result, step_tolerance, names, penalty_tolerance, run
         )

@@ -1,6 +1,7 @@
 """Load steps and penalties by tolerance: the promised errors hold, and derivatives stay exact."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +10,9 @@ from two_profiles import two_profiles
 import seal_mdao as sm
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
-from seal_mdao.seals import raised_penalties, steps_and_penalties
+from seal_mdao.seals import adjusted_penalties, steps_and_penalties
 from seal_mdao.seals.door.door_seal import options_of, with_options
-from seal_mdao.seals.penalty_error import SMALL, least_scale
+from seal_mdao.seals.penalty_error import SMALL, Penalty, least_scale
 from seal_mdao.seals.profiles import profile_histories
 from seal_mdao.seals.refined_steps import divided, force_difference, measure_difference
 from seal_mdao.seals.result import UNUSABLE, Known, analyze_particles
@@ -223,16 +224,16 @@ def _raise_groups(monkeypatch, too_costly):
 
     replaced = {
         "_groups": lambda seal, names: [group for group in groups if group <= set(names)],
-        "raised_penalties": lambda seal, names, tolerance: {
+        "adjusted_penalties": lambda seal, names, tolerance: {
             name: 4.0 for name in names if seal[name] < 4.0
         },
         "is_too_costly": lambda result, before: too_costly(result),
         "with_own_parameters": lambda seal: seal,
     }
     for name, function in replaced.items():
-        monkeypatch.setattr(raised_penalties, name, function)
+        monkeypatch.setattr(adjusted_penalties, name, function)
     seal = Penalties(rigid=1.0, itself=1.0)
-    found, _ = raised_penalties.with_raised_penalties(seal, seal, frozenset(seal), 1.0, run)
+    found, _ = adjusted_penalties.with_adjusted_penalties(seal, seal, frozenset(seal), 1.0, run)
     return dict(found), paths
 
 
@@ -247,3 +248,44 @@ def test_penalties_that_converge_badly_do_not_keep_back_the_others(monkeypatch):
     assert found == {"rigid": 4.0, "itself": 1.0}
     found, _ = _raise_groups(monkeypatch, lambda seal: seal["rigid"] > 1.0)
     assert found == {"rigid": 1.0, "itself": 4.0}
+
+
+@pytest.mark.parametrize(
+    ("iterations", "excess", "force", "factor"),
+    [
+        (12.0, 0.05, 1.0, 0.075),  # 1.5 x 0.05: two thirds of the tolerance remain as error
+        (12.0, 1e-4, 1.0, 1.0 / 30.0),  # no lower at once
+        (12.0, 0.2, 1.0, None),  # an error that is not far below the tolerance
+        (8.0, 0.05, 1.0, None),  # iterations that converge well
+        (12.0, 0.05, 0.0, None),  # no contact at the end, where errors are estimated
+        (12.0, 2.0, 0.0, 3.0),  # raised all the same
+    ],
+)
+def test_penalties_with_which_iterations_converge_badly_are_lowered(
+    monkeypatch, iterations, excess, force, factor
+):
+    values, tolerance = {"normal": 4e5, "tangent": 1e4}, 1e-3
+    replaced = {
+        "_groups": lambda seal, names: [frozenset(names)],
+        "relative_error": lambda result, names: excess * tolerance,
+        "penalty_values": lambda seal, names: values,
+        "most_penalty": lambda seal: 1e12,
+        "penalties_of": lambda seal: [Penalty(name, name, "plate", 1.0) for name in values],
+    }
+    for name, function in replaced.items():
+        monkeypatch.setattr(adjusted_penalties, name, function)
+    # three load steps, one of them with most of the iterations
+    result = SimpleNamespace(
+        seal=None,
+        newton_iterations=np.array([4.0, 4.0, 3.0 * iterations - 8.0]),
+        path=SimpleNamespace(
+            nominal_steps=[
+                SimpleNamespace(responses=[SimpleNamespace(force=np.array([0.0, force]))])
+            ],
+            index_of=lambda label: 0,
+        ),
+    )
+    found = adjusted_penalties.adjusted_penalties(result, values, tolerance)
+    expected = {} if factor is None else {key: own * factor for key, own in values.items()}
+    # two significant digits
+    assert found == pytest.approx(expected, rel=0.05)

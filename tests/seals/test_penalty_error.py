@@ -9,10 +9,10 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.seals.adjusted_penalties import most_penalty, relative_error
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.penalty_error import VALID, PenaltyError, penalties_of, penalty_errors
-from seal_mdao.seals.raised_penalties import most_penalty, relative_error
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE, choose
 
 FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
@@ -205,7 +205,7 @@ def test_a_smaller_tolerance_takes_larger_penalties(tmp_path, solid):
 
 
 def test_rounding_bounds_them(solid, monkeypatch):
-    monkeypatch.setattr("seal_mdao.seals.raised_penalties.RELATIVE_ROUNDING", 1e-12)
+    monkeypatch.setattr("seal_mdao.seals.adjusted_penalties.RELATIVE_ROUNDING", 1e-12)
     highest = most_penalty(solid)
     soft = solid.with_parameters({"plate_normal_penalty": 2e4, "plate_tangent_penalty": 2e3})
     names = [penalty.name for penalty in penalties_of(solid)]

@@ -1,8 +1,10 @@
-"""Rule of the contact penalties: raise them until their estimated errors are within a tolerance.
+"""Rule of the contact penalties: adjust them so that their estimated errors are within a tolerance.
 
 Called by ``steps_and_penalties``; initial values are those of ``contact.default_penalties``. The
 estimate (``penalty_error``) falls with the inverse of a penalty. Penalties are therefore raised by the
 ratio of error to tolerance, unless the iterations then converge badly, or rounding bounds them.
+Penalties with which the iterations converge badly, and whose error is far below the tolerance, as those
+of thin walls of sponge, are lowered by the same ratio.
 """
 
 from dataclasses import replace
@@ -15,11 +17,17 @@ from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
 
 CORRECTIONS = 4
-"""Largest number of times that the penalties are raised."""
+"""Largest number of times that the penalties are changed."""
 COSTLY = 2.0
-"""Largest ratio of iterations per load step of a path with higher penalties to that before."""
+"""Largest ratio of iterations per load step of a path with other penalties to that before."""
+BADLY = 10.0
+"""Mean iterations per load step above which penalties may be lowered; 3 to 7 are usual."""
+EXACT = 0.1
+"""Largest ratio of error to tolerance of penalties that are lowered."""
+LOWEST = 1.0 / 30.0
+"""Smallest factor by which penalties are lowered: of the first ones, ten times E/h remain."""
 SURPLUS = 1.5
-"""Factor on the ratio of error to tolerance by which a penalty is raised."""
+"""Factor on the ratio of error to tolerance by which a penalty is changed."""
 RELATIVE_ROUNDING = 1e-10
 """Largest rounding error of the contact pressure over the shear modulus; it bounds the penalties."""
 
@@ -30,7 +38,7 @@ def penalty_values(seal: Seal, names) -> dict[str, float]:
 
 
 def _groups(seal: Seal, names) -> list[frozenset]:
-    """Group penalties that are raised by a common factor: those of rigid contacts, then those of
+    """Group penalties that are changed by a common factor: those of rigid contacts, then those of
     self-contact, whose ratios to the stiffness of the body differ."""
     rigid = {contact.label for contact in contacts(seal)}
     first = frozenset(p.name for p in penalties_of(seal) if p.name in names and p.contact in rigid)
@@ -50,55 +58,64 @@ def relative_error(result: SealResult, names) -> float:
     return max(compliance(result, names), *(error.part(names) for error in errors))
 
 
-def with_raised_penalties(seal: Seal, result: SealResult, names, tolerance: float | None, run):
-    """Raise ``names`` until their error is within the tolerance; return the seal, in its own steps, and
-    its path. ``result`` is a coarse path.
+def with_adjusted_penalties(seal: Seal, result: SealResult, names, tolerance: float | None, run):
+    """Adjust ``names`` to the tolerance; return the seal, in its own steps, and its path.
 
-    Ends early where higher penalties cost too much (``is_too_costly``) or are bounded by rounding.
-    Groups that were raised together are then raised one after the other.
+    ``result`` is a coarse path. Ends early where other penalties cost too much (``is_too_costly``) or
+    are bounded by rounding. Groups that were changed together are then changed one after the other.
     """
     for _ in range(CORRECTIONS):
-        raised = raised_penalties(result, names, tolerance)
-        if not raised:
+        changed = adjusted_penalties(result, names, tolerance)
+        if not changed:
             break
-        stiffer = with_own_parameters(seal.with_parameters(raised))
-        again = run(stiffer, None, 0)
+        other = with_own_parameters(seal.with_parameters(changed))
+        again = run(other, None, 0)
         if is_too_costly(again, result):
             # the penalties before remain, of one group alone where that is enough
-            groups = [group for group in _groups(seal, names) if group & raised.keys()]
+            groups = [group for group in _groups(seal, names) if group & changed.keys()]
             for group in groups if len(groups) > 1 else ():
-                seal, result = with_raised_penalties(seal, result, group, tolerance, run)
+                seal, result = with_adjusted_penalties(seal, result, group, tolerance, run)
             break
-        seal, result = stiffer, again
+        seal, result = other, again
     return seal, result
 
 
 def is_too_costly(result: SealResult, before: SealResult) -> bool:
-    """Whether a path with higher penalties fails, or takes ``COSTLY`` times the iterations for each
+    """Whether a path with other penalties fails, or takes ``COSTLY`` times the iterations for each
     load step."""
     iterations, others = (path.newton_iterations.mean() for path in (result, before))
     return not result.converged or iterations > COSTLY * others
 
 
-def raised_penalties(result: SealResult, names, tolerance: float) -> dict[str, float]:
-    """Compute higher values of the penalties whose error exceeds the tolerance.
+def adjusted_penalties(result: SealResult, names, tolerance: float) -> dict[str, float]:
+    """Compute other values of the penalties whose error exceeds the tolerance, or is far below it while
+    the iterations converge badly.
 
     All of a group by one factor: the ratio of tangential to normal penalty decides over the first
     increment of a point that comes into contact, which is an error of the load steps.
     """
     found, highest = {}, most_penalty(result.seal)
+    slow = result.newton_iterations.mean() > BADLY
     for group in _groups(result.seal, names):
         excess, before = (
             relative_error(result, group) / tolerance,
             penalty_values(result.seal, group),
         )
         # error ~ 1/w: w_new = w (1.5 error / tolerance), bounded by rounding
-        factor = min(SURPLUS * excess, highest / max(before.values()))
+        factor = min(max(SURPLUS * excess, LOWEST), highest / max(before.values()))
         # two significant digits, for whoever reads them
-        raised = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
-        if excess > 1.0 and all(raised[name] > before[name] for name in before):
-            found |= raised
+        other = {name: float(f"{value * factor:.2g}") for name, value in before.items()}
+        raises = excess > 1.0 and all(other[name] > before[name] for name in before)
+        if raises or (slow and excess < EXACT and _presses(result, group)):
+            found |= other
     return found
+
+
+def _presses(result: SealResult, group) -> bool:
+    """Whether all contacts of a group press at the end of the path, where errors are estimated."""
+    end = result.path.nominal_steps[-1]
+    labels = {penalty.contact for penalty in penalties_of(result.seal) if penalty.name in group}
+    return all(np.any(end.responses[result.path.index_of(label)].force) for label in labels)
 
 
 def most_penalty(seal: Seal) -> float:
