@@ -2,7 +2,17 @@
 
 
 class GeometryError(ValueError):
-    """Particles that cannot be analysed: a folded cell, an uncovered point, a body inside the door."""
+    """Particles that cannot be analysed: a folded cell, an uncovered point, a body inside the door.
+
+    Attributes
+    ----------
+    place : tuple of float, or None
+        Where a section is folded, mm.
+    """
+
+    def __init__(self, message: str, place: tuple[float, float] | None = None):
+        super().__init__(message)
+        self.place = place
 
 
 class SingularMomentMatrixError(GeometryError):

@@ -33,6 +33,24 @@ class ScenarioGroup(DesignGroup):
     ``<measure>_highest``, ``<measure>_lowest`` and quantiles such as ``<measure>_q95``, each (m,);
     ``share_failed``.
 
+    Parameters
+    ----------
+    seal : Seal
+    scenarios : Scenarios
+        Varied parameters; placements of profiles, such as ``lid_y``, may be among them.
+    measures, parameters, sensitivity : optional
+        As of ``SealGroup``.
+    quantiles : sequence of float
+        Levels of quantiles between 0 and 1, such as ``(0.95,)``.
+    failed : {"raise", "leave_out"}
+        A scenario that cannot be analysed: an ``AnalysisError``, or left out and counted.
+    workers : int, Processes or Executor, optional
+        0: in line; a number of processes; one per core when left out; or any executor of
+        ``concurrent.futures``. A script with processes must keep what it runs under
+        ``if __name__ == "__main__":``.
+    callback : callable, optional
+        Called with the number of every scenario that has finished, and its outcome.
+
     Examples
     --------
     >>> import numpy as np, seal_mdao as sm

@@ -43,6 +43,23 @@ class SealGroup(DesignGroup):
     (mm**2), ``reaction`` (N/m) unless ``measures`` says otherwise. Without a gap region in the
     nominal seal there is no ``gap``, and ``gap_square_sum`` is zero. A design that cannot be analysed
     raises ``AnalysisError`` and leaves NaN in all of them.
+
+    Parameters
+    ----------
+    seal : Seal
+    measures : sequence of str or Measure, optional
+        Outputs: names of measures of the seal, or measures; the standard ones when left out.
+    parameters : sequence of str
+        Scalar parameters (``seal.scalars``) and placements of profiles, such as ``lid_y``, that become
+        inputs beside those that the seal always has.
+    sensitivity : {"auto", "direct", "adjoint"}
+        Method of the partials; ``auto`` selects the one with fewer right-hand sides.
+    factor_memory : float
+        GiB for factors of converged tangents; those beyond are computed again for the partials.
+    cache : AnalysisCache, optional
+        Cache of analyses; by default the last one only.
+    callback : callable, optional
+        Called with every converged load step.
     """
 
     def initialize(self):

@@ -72,6 +72,13 @@ class ProblemLayout:
         """Return the largest constraint violation, relative to the bound where that exceeds 1."""
         return max(0.0, float(self._excess(constraints).max(initial=0.0)))
 
+    def violated(self, constraints: NDArray[np.float64], tol: float) -> str:
+        """Name the constraints that are violated by more than ``tol`` with their largest violation, for
+        messages; empty without any."""
+        excess = self._excess(constraints)
+        largest = {n: float(excess[rows].max(initial=0.0)) for n, rows in self.constraints.items()}
+        return ", ".join(f"{name} by {own:.2g}" for name, own in largest.items() if own > tol)
+
     def violated_constants(self, constraints: NDArray[np.float64], tol: float) -> list[str]:
         """Return names of violated constraints that depend on no design variable."""
         violated = (self._excess(constraints) > tol) & ~self.active

@@ -30,6 +30,8 @@ INTERRUPTED = "Stopped by the user (Ctrl-C); "
 BEST_KEPT = "the best feasible point found is kept"
 LEAST_KEPT = "no feasible point had been found, the least infeasible is kept"
 
+VIOLATED = "; violated constraints, in driver scaling: {}"
+
 
 @dataclass(frozen=True)
 class SolverEnd:
@@ -217,10 +219,12 @@ class OptimizerDriver(access.DriverHooks):
         evaluator = callbacks.evaluator
         # the model is left at the result, so that outputs and derivatives belong to it
         evaluator.load(callbacks.best.x if stopped or not end.success else end.x)
+        constraints, feas_tol = flat(self.get_constraint_values()), self.options["feas_tol"]
+        violated = evaluator.layout.violated(constraints, feas_tol)
+        if self.fail and violated:
+            self.exit_message += VIOLATED.format(violated)
         # constraints that no design variable affects were hidden from the optimiser
-        constants = evaluator.layout.violated_constants(
-            flat(self.get_constraint_values()), self.options["feas_tol"]
-        )
+        constants = evaluator.layout.violated_constants(constraints, feas_tol)
         if constants:
             self.fail = True
             self.exit_message = (

@@ -6,11 +6,15 @@ import openmdao.api as om
 from tqdm import tqdm
 
 from seal_mdao.components.failures import warn_of_faults
+from seal_mdao.drivers.layout import flat, read_layout
+from seal_mdao.drivers.optimizer_driver import VIOLATED
 from seal_mdao.drivers.solver_libraries import count, tolerance
 from seal_mdao.openmdao_access import FailedCases, faults, problem_of, snapshot
 
 FAILED_OBJECTIVE = 1e20
 """Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
+FEASIBLE = 1e-6
+"""Largest violation of a constraint that is satisfied, in driver scaling."""
 
 
 class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
@@ -29,7 +33,11 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
     ----------
     failed_analyses : int
         Number of points of the last run at which the analysis failed.
+    exit_message : str
+        Message of a run that failed; names violated constraints.
     """
+
+    exit_message = ""
 
     def __init__(self, **kwargs):
         super().__init__(**{"optimizer": "SLSQP", "disp": sys.stdout.isatty(), **kwargs})
@@ -45,7 +53,7 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         # OpenMDAO's driver does not check its options
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
-        self.failed_analyses, self.case_failure = 0, ""
+        self.failed_analyses, self.case_failure, self.exit_message = 0, "", ""
         model = self._model = problem_of(self).model
         self._restore = None
         # an attribute of the instance hides the method of the class during the run
@@ -54,8 +62,19 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
             fail = super().run()
         finally:
             del model.run_solve_nonlinear, self._model, self._restore
+        if fail:
+            # OpenMDAO's driver has printed SciPy's message without the constraints
+            self.exit_message = str(self._scipy_optimize_result.message)
+            violated = read_layout(self).violated(flat(self.get_constraint_values()), FEASIBLE)
+            if violated:
+                self.exit_message += VIOLATED.format(violated)
+                tqdm.write(self.exit_message)
         warn_of_faults(f"{self.msginfo}: final design", faults(self), set())
         return fail
+
+    def get_exit_status(self) -> str:
+        """Return the message of the last run: of one that failed SciPy's, with violated constraints."""
+        return self.exit_message or super().get_exit_status()
 
     def get_objective_values(self, driver_scaling: bool = True) -> dict:
         """Return the objective by name; after a failed analysis a value that the line search rejects."""

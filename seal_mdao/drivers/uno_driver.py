@@ -57,6 +57,27 @@ class UnoDriver(OptimizerDriver):
     at a point that can be improved, it is restarted once at the best point with a larger trust region,
     which may step across a region of failed analyses or a kink.
 
+    Parameters
+    ----------
+    tol : float
+        Optimality tolerance, in driver scaling (1e-3).
+    feas_tol : float
+        Largest constraint violation of a feasible point, in driver scaling (1e-6).
+    maxiter : int
+        Maximum number of iterations (200).
+    disp : bool, optional
+        Print a line per iteration; by default where the output is a terminal.
+    max_failures : int
+        Failed analyses after which the run is stopped; a success cancels one failure (15).
+    singular_jac_behavior : {"warn", "error", "ignore"}
+        Action for zero rows or columns of the first total Jacobian.
+    singular_jac_tol : float
+        Tolerance for zero rows and columns (1e-16).
+    hotstart_file : str or Path, optional
+        Recorder file of an earlier run, whose values replace runs of the model at its designs.
+    trust_radius : float
+        Largest change of a design variable in the first iteration, in driver scaling (0.3).
+
     Raises
     ------
     ImportError

@@ -178,7 +178,8 @@ class RecordedOptimization:
         if offsets is None:
             raise ValueError(
                 "the recorder file does not contain the boundary offsets of a seal; record them "
-                "with seal_mdao.RestartRecorder"
+                "with seal_mdao.RestartRecorder, or with "
+                'driver.recording_options["includes"] = ["*"]'
             )
         return offsets, parameters
 

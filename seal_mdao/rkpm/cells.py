@@ -260,7 +260,8 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
         x, y = particles[mapping.cells[cell]].mean(axis=0)
         raise GeometryError(
             f"the section is folded: background cell {cell} near ({x:.4g}, {y:.4g}) has a negative "
-            "or zero area; use smaller or smoother boundary offsets"
+            "or zero area; use smaller or smoother boundary offsets",
+            (float(x), float(y)),
         )
     return weights
 

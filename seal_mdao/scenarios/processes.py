@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 from concurrent.futures import Future, ProcessPoolExecutor
 from multiprocessing.connection import Connection
 from threading import Thread
@@ -41,6 +42,10 @@ class Processes:
     def submit(self, function, *arguments) -> Future:
         """Submit a call, as ``Executor.submit``; start the processes on first use."""
         if self._pool is None:
+            if getattr(multiprocessing.current_process(), "_inheriting", False):
+                # a worker that imports a script without the guard __main__: the parent reports it once,
+                # the traceback of every worker would hide its message
+                sys.exit(1)
             # the workers wait for the end of this pipe, which closes with this process
             receiver, self._leash = self._context.Pipe(duplex=False)
             shared = receiver, self._begun

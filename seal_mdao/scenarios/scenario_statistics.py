@@ -19,12 +19,14 @@ def mean(values: np.ndarray):
 
 
 def deviation(values: np.ndarray):
-    """Compute the sample standard deviation (S - 1); derivative zero where all values are equal."""
+    """Compute the sample standard deviation (S - 1), zero for a single scenario; derivative zero where
+    all values are equal."""
     difference = values - values.mean(axis=0)
     # s^2 = sum (v - mean)^2 / (S - 1),  ds/dv = (v - mean) / ((S - 1) s)
-    size = np.sqrt((difference * difference).sum(axis=0) / (len(values) - 1))
+    freedom = max(len(values) - 1, 1)
+    size = np.sqrt((difference * difference).sum(axis=0) / freedom)
     safe = np.where(size == 0.0, 1.0, size)
-    return size, difference / ((len(values) - 1) * safe)
+    return size, difference / (freedom * safe)
 
 
 def highest(values: np.ndarray, sharpness: float = SHARPNESS):

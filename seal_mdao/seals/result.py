@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -577,7 +578,8 @@ def analyze_particles(
     # r(d, lambda) = 0 of all terms, solved along lambda
     discretization = known.discretization
     if discretization is None:
-        discretization = discretize(seal.body, particles, terms)
+        with _folds_explained(seal, particles):
+            discretization = discretize(seal.body, particles, terms)
     problem = PathProblem(discretization, terms, seal.imposed())
     try:
         # a + b = l at this design, at every step   Eq. (45), for the nominal one (43)
@@ -596,3 +598,27 @@ def analyze_particles(
             known=Known(discretization, states=known.states),
         )  # fmt: skip
     return SealResult(seal, path, boundary_offsets)
+
+
+@contextmanager
+def _folds_explained(seal: Seal, particles):
+    """Add to the error of a folded section which design parameter moves it most at that place."""
+    try:
+        yield
+    except GeometryError as error:
+        if error.place is None or not seal.n_offsets:
+            raise
+        # offsets of these particles: X - X_0 = sum_p b_p V_p
+        velocity = seal.design_velocity.reshape(seal.n_offsets, -1).T
+        moved = np.ravel(particles - seal.nominal_particles)
+        offsets = np.linalg.lstsq(velocity, moved, rcond=None)[0]
+        # |b_p V_p| at the particle nearest to the fold
+        nearest = np.hypot(*(particles - np.array(error.place)).T).argmin()
+        shares = np.abs(offsets) * np.hypot(*seal.design_velocity[:, nearest].T)
+        most = int(shares.argmax())
+        raise GeometryError(
+            f"{error}. boundary_offsets[{most}] = {offsets[most]:.4g} moves the section most there, by "
+            f"{shares[most]:.3g} mm; a boundary that moves farther than the wall is thick folds the "
+            "section, so limit the wall thickness (measure wall_thickness)",
+            error.place,
+        ) from error

@@ -1,5 +1,6 @@
 """OpenMDAO components: values, partials, totals, and the call patterns of drivers."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -290,8 +291,19 @@ def test_folded_section_is_an_analysis_error(problem, short):
     made = problem(sm.SealGroup(seal=short))
     offsets = np.concatenate([np.full(14, -1.3), np.full(11, 1.3)])
     made.set_val("boundary_offsets", offsets)
-    with pytest.raises(om.AnalysisError, match="folded"):
+    with pytest.raises(om.AnalysisError, match="folded") as error:
         made.run_model()
+    # the parameter that contributes most to the motion of this place, from the outer or inner boundary
+    found = re.search(
+        r"near \(([-.\d]+), ([-.\d]+)\).*boundary_offsets\[(\d+)\] = ([-.\d]+) moves .* by ([.\d]+) mm",
+        str(error.value),
+    )
+    *place, most, offset, by = map(float, found.groups())
+    nearest = np.hypot(*(short.particles(offsets) - place).T).argmin()
+    shares = np.abs(offsets) * np.hypot(*short.design_velocity[:, nearest].T)
+    assert shares.argmax() == most
+    assert offset == pytest.approx(offsets[int(most)], rel=1e-3)
+    assert by == pytest.approx(shares.max(), rel=0.01)
 
 
 def test_seal_without_opened_points_can_be_analysed(problem):

@@ -82,6 +82,10 @@ def test_infeasible_problem_is_no_success(make_driver):
     assert re.search(
         r"infeasib|incompatible|constraints to [1-9]\.\de[+-]0[01]", result.exit_status
     )
+    found = re.search(r"; violated constraints, in driver scaling: (.*)$", result.exit_status)[1]
+    s, c = (prob.get_val(name)[0] for name in "sc")
+    sizes = {"s": s - 1.0, "c": (8.0 - c) / 8.0}
+    assert found == ", ".join(f"{n} by {own:.2g}" for n, own in sizes.items() if own > 1e-6)
 
 
 def test_start_outside_the_bounds(make_driver):

@@ -70,6 +70,33 @@ def test_failure_at_the_start_is_raised():
     assert prob.run_driver().success  # nothing of the first run is left
 
 
+def test_a_failed_run_names_the_violated_constraints(capsys):
+    driver = sm.SlsqpDriver(disp=False)
+    prob = om.Problem(driver=driver, reports=None)
+    prob.model.add_subsystem(
+        "c", om.ExecComp(["f = x**2", "low = x", "high = x + 1"]), promotes=["*"]
+    )
+    prob.model.add_design_var("x", lower=-10, upper=10)
+    prob.model.add_objective("f")
+    prob.model.add_constraint("low", upper=1.0)
+    prob.model.add_constraint("high", lower=5.0)
+    prob.setup()
+    result = prob.run_driver()
+    assert not result.success
+    # the model is at x = 1 to 4: (5 - 1 - x) / 5 or x - 1
+    x = prob.get_val("x").item()
+    parts = [("low", x - 1.0), ("high", (4.0 - x) / 5.0)]
+    named = ", ".join(f"{name} by {size:.2g}" for name, size in parts if size > 1e-6)
+    assert result.exit_status.endswith(f"; violated constraints, in driver scaling: {named}")
+    assert result.exit_status in capsys.readouterr().out
+    # a run that succeeds has OpenMDAO's status
+    prob.model.set_constraint_options("high", lower=0.0)
+    prob.setup()
+    result = prob.run_driver()
+    assert result.success
+    assert result.exit_status == "SUCCESS"
+
+
 def test_line_per_analysis_on_request(capsys):
     driver = sm.SlsqpDriver(disp=True)
     prob = constrained_problem(driver, (6, 6), "x[0] + x[1]**2", 20.0)

@@ -226,6 +226,9 @@ def test_a_script_without_its_guard_is_told(tmp_path):
         'put the code of the script that starts them under  if __name__ == "__main__":'
         in done.stderr
     )
+    # the workers end silently: one traceback, that of the script
+    assert done.stderr.count("Traceback (most recent call last)") == 1
+    assert "freeze_support" not in done.stderr
 
 
 def test_processes_are_given_little_ahead():

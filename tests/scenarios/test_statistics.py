@@ -82,3 +82,11 @@ def test_equal_values_are_no_special_case(name):
     value, gradient = FUNCTIONS[name](np.full((4, 1), 3.0))
     assert value[0] == (0.0 if name == "deviation" else 3.0)
     assert np.isfinite(gradient).all()
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_single_scenario_is_its_own_mean_and_has_no_deviation(name):
+    value, gradient = FUNCTIONS[name](np.array([[3.0, -2.0]]))
+    spread = name == "deviation"
+    assert value.tolist() == ([0.0, 0.0] if spread else [3.0, -2.0])
+    np.testing.assert_allclose(gradient, 0.0 if spread else 1.0, rtol=1e-14)
