@@ -6,13 +6,13 @@ class GeometryError(ValueError):
 
     Attributes
     ----------
-    place : tuple of float, or None
-        Where a section is folded, mm.
+    cell : tuple of int
+        Particles of the background cell at which a section is folded; empty for other errors.
     """
 
-    def __init__(self, message: str, place: tuple[float, float] | None = None):
+    def __init__(self, message: str, cell: tuple[int, ...] = ()):
         super().__init__(message)
-        self.place = place
+        self.cell = cell
 
 
 class SingularMomentMatrixError(GeometryError):

@@ -261,7 +261,7 @@ def quadrature_weights(mapping: CellMap, particles: np.ndarray) -> np.ndarray:
         raise GeometryError(
             f"the section is folded: background cell {cell} near ({x:.4g}, {y:.4g}) has a negative "
             "or zero area; use smaller or smoother boundary offsets",
-            (float(x), float(y)),
+            tuple(mapping.cells[cell].tolist()),
         )
     return weights
 

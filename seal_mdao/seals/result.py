@@ -606,19 +606,19 @@ def _folds_explained(seal: Seal, particles):
     try:
         yield
     except GeometryError as error:
-        if error.place is None or not seal.n_offsets:
+        if not (error.cell and seal.n_offsets):
             raise
         # offsets of these particles: X - X_0 = sum_p b_p V_p
         velocity = seal.design_velocity.reshape(seal.n_offsets, -1).T
         moved = np.ravel(particles - seal.nominal_particles)
         offsets = np.linalg.lstsq(velocity, moved, rcond=None)[0]
-        # |b_p V_p| at the particle nearest to the fold
-        nearest = np.hypot(*(particles - np.array(error.place)).T).argmin()
-        shares = np.abs(offsets) * np.hypot(*seal.design_velocity[:, nearest].T)
+        # largest |b_p V_p| of the particles of the folded cell
+        speeds = np.linalg.norm(seal.design_velocity[:, list(error.cell)], axis=2).max(axis=1)
+        shares = np.abs(offsets) * speeds
         most = int(shares.argmax())
         raise GeometryError(
             f"{error}. boundary_offsets[{most}] = {offsets[most]:.4g} moves the section most there, by "
             f"{shares[most]:.3g} mm; a boundary that moves farther than the wall is thick folds the "
             "section, so limit the wall thickness (measure wall_thickness)",
-            error.place,
+            error.cell,
         ) from error
