@@ -112,6 +112,17 @@ def test_inputs_that_no_recorder_has_noted_are_said_to_be_unknown(tmp_path):
     text, data = shapes(path)
     assert data["shapes"] is None
     assert "The shapes of rubber are not shown: the file does not hold what its inputs were" in text
+    advice = 'driver.recording_options["includes"] = ["*"]'
+    with pytest.raises(ValueError, match=re.escape(advice)):
+        read_optimization(path).design_at(0)
+    # what the message advises is sufficient
+    driver = om.ScipyOptimizeDriver(maxiter=1, disp=False)
+    exec(advice)
+    (tmp_path / "all").mkdir()
+    path, problem = ran(upstream, tmp_path / "all", om.SqliteRecorder, driver)
+    offsets, _ = read_optimization(path).design_at(-1)
+    expected = problem.get_val("rubber.boundary_offsets", units="mm")
+    np.testing.assert_allclose(offsets, expected, rtol=1e-12)
 
 
 def test_promoted_design_variables_in_other_units_with_openmdaos_recorder(tmp_path):
