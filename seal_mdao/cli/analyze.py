@@ -60,7 +60,7 @@ def main(arguments) -> int:
     report_faults(result)
     print_forces(result)
     # the summary is written first: drawing may still fail
-    summary = summarize(result) | {"wall_s": wall}
+    summary = summarize(result) | {"part": file.part or None, "wall_s": wall}
     write_summary(arguments.out, summary)
     report(result, summary)
     if arguments.errors and result.converged:
@@ -308,6 +308,8 @@ def report(result: SealResult, summary: dict) -> None:
                 f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
                 f"{end['largest_gap_mm']:.4f} mm"
             )
+    if summary.get("part"):
+        print(summary["part"])
     # stress, with its location in the undeformed section
     if summary["largest_von_mises_kPa"] is not None:
         print(stress_line(summary))
@@ -335,7 +337,10 @@ def stress_line(summary: dict) -> str:
     where = summary["largest_von_mises_singular_at"]
     if where is None:
         return text
-    text += f": {where}, where stress is singular and grows under refinement"
+    text += (
+        f": {where}, where stress is singular and grows under refinement (away_from_singular of "
+        "von_mises leaves it out)"
+    )
     if summary["largest_von_mises_elsewhere_kPa"] is not None:
         text += (
             f"; elsewhere {summary['largest_von_mises_elsewhere_kPa']:.1f} kPa, at "

@@ -5,7 +5,14 @@ from textwrap import fill
 from seal_mdao.cli.arguments import WrongArgumentError, parser
 from seal_mdao.seals.file.material_table import LAW_TABLES
 from seal_mdao.seals.file.measure_types import KINDS
-from seal_mdao.seals.file.reference import TABLES, found_tables, key_rows, known_names, summary
+from seal_mdao.seals.file.reference import (
+    TABLES,
+    found_tables,
+    key_rows,
+    known_names,
+    summary,
+    written_as,
+)
 from seal_mdao.seals.file.schema import suggestion
 
 WIDTH = 100
@@ -28,14 +35,17 @@ def main(arguments) -> int:
 
 
 def listing() -> str:
-    """List the names of all tables, laws and types of measures with their descriptions."""
+    """List the names of all tables, laws and types of measures with their descriptions; tables as they
+    are written in a file."""
     parts = {"tables": TABLES, "laws of rubber": LAW_TABLES, "types of measures": KINDS}
     lines = []
     for heading, kinds in parts.items():
-        width = max(map(len, kinds))
+        names = {name: written_as(name) if kinds is TABLES else "" for name in kinds}
+        width, own = max(map(len, kinds)), max(map(len, names.values()))
         lines += ["", f"{heading}:"]
         lines += [
-            f"  {name:{width}}  {_about(name, kind)}".rstrip() for name, kind in kinds.items()
+            f"  {name:{width}}  {names[name]:{own}}{'  ' * (own > 0)}{_about(name, kind)}".rstrip()
+            for name, kind in kinds.items()
         ]
     return "\n".join([*lines, "", "Keys with units and defaults: seal-mdao keys NAME"]).lstrip()
 
@@ -51,6 +61,9 @@ def _about(name: str, kind) -> str:
 def keys_of(heading: str, kind) -> str:
     """Format the keys of a table: value and default in one line, the meaning below."""
     lines = [f"{heading}: {summary(kind)}"]
+    table = heading.removeprefix("table ")
+    if table in TABLES and (form := written_as(table)):
+        lines.append(f"  written as {form}")
     for name, allowed, default, meaning in key_rows(kind):
         otherwise = f" [{default}]" if default else ""
         lines += [f"  {name}{otherwise}: {allowed}", _wrapped(meaning)]

@@ -66,8 +66,8 @@ def seal_of(
     LoadPathError
         When the path on which they are to be chosen cannot be completed.
     """
-    if file.section.notice:
-        print(file.section.notice)
+    for notice in filter(None, (file.section.notice, file.part)):
+        print(notice)
     unchosen = filled(file) if unchosen is None else unchosen
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:

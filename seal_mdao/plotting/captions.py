@@ -61,8 +61,9 @@ def name_varied(names: Collection[str]) -> None:
 
 def seal_text(seal) -> str:
     """Describe materials and environment at the end of the path of a ``Seal`` or ``SealFile``."""
-    conditions = conditions_text(seal.conditions())
-    return materials_text(seal.materials) + (f", {conditions}" if conditions else "")
+    # a seal of a file knows its conditions, the file also the part that planes of symmetry leave
+    more = (getattr(seal, "part", ""), conditions_text(seal.conditions()))
+    return ", ".join([materials_text(seal.materials), *filter(None, more)])
 
 
 def materials_text(materials: Mapping[str, object]) -> str:

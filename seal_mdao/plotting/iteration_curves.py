@@ -104,7 +104,11 @@ def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) 
     at = outside[-1]
     # forces may count as negative: stiff is what has the larger one
     limit = own.lower if own.values[at] < own.lower else own.upper
-    text = "too soft" if abs(own.values[at]) < abs(limit) else "too stiff"
+    text = (
+        "too soft: force below its limit"
+        if abs(own.values[at]) < abs(limit)
+        else "too stiff: force above its limit"
+    )
     axes.annotate(
         text, (at, own.use()[at]), xytext=(4, 4), textcoords="offset points", color=VERMILION,
         fontsize=9.0,

@@ -1,13 +1,18 @@
 """Figures of samples of measures: distributions, correlations, comparison of designs."""
 
+from math import ceil, sqrt
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, panels, signed, styled, subplots
 
-BINS = 30
+BINS, FEWEST = 30, 5
+"""Most and fewest bins of a histogram: the root of the number of samples lies between them."""
 EQUAL = 1e-9
 """Relative difference of samples that is rounding."""
+CONSTANT = 1e-6
+"""Relative range of samples below which their histogram would show the tolerance of the solver."""
 SMALLEST = 1e-4
 """Lower limit of the cost axis over the largest cost."""
 DECADES = 1e-2
@@ -42,7 +47,7 @@ def distributions(values, names, units, linear=None) -> Figure:
         own = values[:, number]
         # bins common to both histograms, so that their heights compare
         both = own if linear is None else np.concatenate([own, linear[:, number]])
-        edges = _bin_edges(both)
+        edges = _bin_edges(own, both)
         axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
         if linear is not None:
             outlined = {"histtype": "step", "color": VERMILION, "linewidth": 1.4}
@@ -133,20 +138,22 @@ def _draw_cumulative(axes, samples: dict) -> None:
     axes.legend(loc="lower right" if decades else "lower center")
 
 
-def _bin_edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of ``BINS`` equal bins; of values that are equal to rounding, those of one bin
-    more within 10 % of them, so that they are one bar in the middle."""
+def _bin_edges(sample: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the edges of equal bins over all ``values``: for a ``sample`` of S values sqrt(S) bins,
+    at least ``FEWEST`` and at most ``BINS``; of values that are equal to ``CONSTANT``, those of an odd
+    number within 10 % of them, so that they are one bar in the middle."""
     low, high = values.min(), values.max()
+    count = min(max(FEWEST, ceil(sqrt(sample.size))), BINS)
     # a little wider than the values, so that rounding leaves none out
     middle, half = 0.5 * (low + high), 0.5 * (1.0 + EQUAL) * (high - low)
-    if half <= EQUAL * abs(middle) or half == 0.0:
+    if half <= CONSTANT * abs(middle) or half == 0.0:
         return middle + (0.1 * abs(middle) or 0.5) * np.linspace(-1.0, 1.0, BINS + 2)
-    return middle + half * np.linspace(-1.0, 1.0, BINS + 1)
+    return middle + half * np.linspace(-1.0, 1.0, count + 1)
 
 
 def _draw_limited(axes, limited: dict, band) -> None:
     """Plot histograms of a measure for every design, and the band between its limits."""
-    edges = _bin_edges(np.concatenate([*limited.values()]))
+    edges = _bin_edges(next(iter(limited.values())), np.concatenate([*limited.values()]))
     for (label, values), color in zip(
         limited.items(), DESIGN_COLOURS[-len(limited) :], strict=True
     ):

@@ -262,12 +262,17 @@ def draw_stress(axes: Axes, fine: FineGrid, step: int, scales: list[dict]) -> li
     return contours
 
 
+def stress_label(contours) -> str:
+    """Label a colour bar of the stress, and say where it is cut."""
+    return f"{STRESS}; arrow: higher at single points" if contours.extend == "max" else STRESS
+
+
 def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **options) -> None:
     """Add a colour bar of the stress beside ``axes`` for every scale, with the name of its material."""
     regions = fine.result.seal.definitions[0].regions
     for own, region in zip(contours, regions, strict=False):
         name = f"{region.name}: " if len(contours) > 1 else ""
-        figure.colorbar(own, ax=axes, **options).set_label(f"{name}{STRESS}")
+        figure.colorbar(own, ax=axes, **options).set_label(f"{name}{stress_label(own)}")
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:

@@ -15,6 +15,7 @@ from seal_mdao.plotting.style import (
     BLUE,
     CELL_GREY,
     CYCLE,
+    DASHES,
     GREY,
     LIGHT_GREY,
     VERMILION,
@@ -63,8 +64,12 @@ def section_cloud(result: SealResult) -> Figure:
     axes.plot(*particles.T, "o", color="#777777", markersize=size, zorder=3)
     for number, (name, edge) in enumerate(seal.body.edges.items()):
         ring = np.append(edge.particles, edge.particles[:1]) if edge.closed else edge.particles
-        color = CYCLE[number % len(CYCLE)]
-        axes.plot(*particles[ring].T, color=color, linewidth=2.4, label=name, zorder=4)
+        # after all colours the dash changes, so that no two of 21 edges look the same
+        dashes, color = divmod(number, len(CYCLE))
+        axes.plot(
+            *particles[ring].T, color=CYCLE[color], linestyle=DASHES[dashes % len(DASHES)],
+            linewidth=2.4, label=name, zorder=4,
+        )  # fmt: skip
     moved = np.isin(
         np.arange(len(particles)), [i for own in moved_edges(seal) for i in own.particles]
     )

@@ -150,5 +150,7 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
         section.frame(axes, low, high, result.seal)
         axes.set_title(name, color=CYCLE[number % len(CYCLE)])
         panels.append(axes)
-    figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label(section.STRESS)
+    figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label(
+        section.stress_label(contours)
+    )
     return figure

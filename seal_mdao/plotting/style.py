@@ -15,6 +15,7 @@ ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
 VERMILION, PURPLE = "#D55E00", "#CC79A7"
 GREY, LIGHT_GREY, CELL_GREY = "#6E6E6E", "#DADADA", "#C9C9C9"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+DASHES = ("-", (0, (2.0, 0.8)), (0, (0.7, 0.7)))
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 STRESS_MAP = "viridis"
@@ -131,7 +132,8 @@ def add_caption(figure: Figure) -> None:
     """Write the caption of ``captions.captioned`` into a margin below a figure, once."""
     width, height = figure.get_size_inches()
     # a letter is about half as wide as its size; 72 points an inch
-    text = caption(int(width * 72.0 / (0.5 * SMALL_PRINT)))
+    most = int(width * 72.0 / (0.5 * SMALL_PRINT))
+    text = caption(most)
     if not text or any(own.get_gid() == "caption" for own in figure.texts):
         return
     margin = 2.0 * SMALL_PRINT / 72.0 / height
@@ -143,10 +145,14 @@ def add_caption(figure: Figure) -> None:
     for legend in below:
         legend.borderaxespad += 2.0 * SMALL_PRINT / legend.prop.get_size_in_points()
     # names may hold the $ that begins a formula
-    figure.text(
+    shown = figure.text(
         0.99, 0.3 * margin, text, ha="right", va="bottom", color=GREY, fontsize=SMALL_PRINT,
         gid="caption", parse_math=False,
     )  # fmt: skip
+    # shorter where its letters are wider, so that the figure crops none
+    while len(shown.get_text()) > 1 and shown.get_window_extent().x0 < 0.0:
+        most = min(most, len(shown.get_text())) - 1
+        shown.set_text(caption(most))
 
 
 def png(figure: Figure, dpi: int) -> bytes:

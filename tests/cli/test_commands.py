@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -494,8 +495,11 @@ def test_keys_are_those_of_the_page(capsys):
     assert main(["keys"]) == 0
     said = capsys.readouterr().out
     assert all(f"  {name} " in said for name in ("design", "gent", "load_deflection_error"))
+    assert re.search(r"  cavity +\[\[cavity\]\] ", said)
+    assert re.search(r"  fixed +\[fixed\] ", said)
     assert main(["keys", "cavity"]) == 0
     said = capsys.readouterr().out
+    assert "written as [[cavity]]" in said
     assert "  pressure [101.325]: a number above 0 (kPa)" in said
     assert "absolute pressure outside, and inside at the start" in said
     assert main(["keys", "hyperfoam"]) == 0
@@ -676,8 +680,8 @@ def test_largest_stress_names_a_singular_point():
     noisy = summary | {"largest_von_mises_at_mm": [-7e-15, 2.0]}
     assert stress_line(noisy) == plain.replace("x = 1", "x = 0")
     assert stress_line(summary | {"largest_von_mises_singular_at": "a re-entrant corner"}) == (
-        f"{plain}: a re-entrant corner, where stress is singular and grows under refinement; "
-        "elsewhere 5.0 kPa, at x = 3, y = 4"
+        f"{plain}: a re-entrant corner, where stress is singular and grows under refinement "
+        "(away_from_singular of von_mises leaves it out); elsewhere 5.0 kPa, at x = 3, y = 4"
     )
 
 

@@ -220,9 +220,19 @@ def test_parting_lines_that_divide_nothing_are_refused(tmp_path, lines, words):
 def test_layers_that_the_drawing_does_not_have_are_refused(tmp_path, key):
     path = Drawing(tmp_path).box().saved()
     with pytest.raises(
-        GeometryError, match=f"{key} = 'sael', but there is no such layer; the layers are"
+        GeometryError, match=f"{key} = 'sael', but there is no such layer.*; the layers are"
     ):
         read_drawing(path, **{key: ["sael"]})
+
+
+def test_a_misspelt_layer_is_suggested_among_those_with_entities(tmp_path):
+    drawing = Drawing(tmp_path).box()
+    drawing.document.layers.add("unused")
+    drawing.model.add_line((0, 5), (10, 5), {"layer": "PARTING"})
+    with pytest.raises(GeometryError) as caught:
+        read_drawing(drawing.saved(), parting=["PARTNG"])
+    assert "(did you mean 'PARTING'?)" in str(caught.value)
+    assert str(caught.value).endswith("the layers are seal, PARTING")
 
 
 def test_an_ignored_frame_is_no_outline(tmp_path):

@@ -96,6 +96,17 @@ def test_axes_and_legends_stay_above_the_caption(nominal, draw):
     assert all(box.y1 <= lowest + 1.0 for box in legends)
 
 
+@pytest.mark.parametrize("width", [2.0, 4.1])
+def test_a_long_caption_is_shortened_rather_than_cropped(width):
+    figure, _ = subplots(width=width, height=3.0)
+    with captioned({"WWWWWWWW MMMMMMMM": "WWWW (MMMM-WWWWWW), " * 20}):
+        add_caption(figure)
+    (text,) = (own for own in figure.texts if own.get_gid() == "caption")
+    assert text.get_window_extent().x0 >= 0.0
+    assert text.get_text().startswith("WWWW")
+    assert "… | " in text.get_text()
+
+
 def test_legends_above_the_axes_stay_there():
     figure, axes = subplots(width=4.0, height=3.0)
     axes.plot([0.0, 1.0], label="force")

@@ -168,9 +168,9 @@ def test_constraints_are_drawn_over_their_limits():
 @pytest.mark.parametrize(
     ("values", "lower", "upper", "said"),
     [
-        ([56.0, 49.0, 52.0], 50.4, 61.6, [(1, "too soft")]),
-        ([63.0, 49.0, 66.0], 50.4, 61.6, [(2, "too stiff")]),
-        ([-63.0, -70.0, -40.0], -61.6, -50.4, [(2, "too soft")]),
+        ([56.0, 49.0, 52.0], 50.4, 61.6, [(1, "too soft: force below its limit")]),
+        ([63.0, 49.0, 66.0], 50.4, 61.6, [(2, "too stiff: force above its limit")]),
+        ([-63.0, -70.0, -40.0], -61.6, -50.4, [(2, "too soft: force below its limit")]),
         ([56.0, 50.39, 52.0], 50.4, 61.6, []),
     ],
 )

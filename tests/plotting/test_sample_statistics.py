@@ -19,6 +19,21 @@ def test_every_sample_is_in_a_bin(values):
     assert sum(heights) == len(values)
 
 
+@pytest.mark.parametrize(("count", "bins"), [(4, 5), (16, 5), (100, 10), (5000, 30)])
+def test_few_samples_have_few_bins(count, bins):
+    values = np.linspace(1.0, 2.0, count)[:, None]
+    axes = distributions(values, ["reaction"], ["N/m"]).axes[0]
+    assert len(axes.patches) == bins
+    # the estimate for the same samples does not make them finer
+    assert len(distributions(values, ["reaction"], ["N/m"], values).axes[0].patches) == bins + 1
+
+
+def test_the_tolerance_of_the_solver_is_no_scatter():
+    values = 92.9333 * (1.0 + 3e-7 * np.linspace(-1.0, 1.0, 8))[:, None]
+    axes = distributions(values, ["area"], ["mm**2"]).axes[0]
+    assert sum(own.get_height() > 0 for own in axes.patches) == 1
+
+
 @pytest.mark.parametrize("value", [-7.3, 0.0, 92.9333])
 def test_a_constant_quantity_is_one_bar_in_the_middle(value):
     axes = distributions(np.full((5, 1), value), ["area"], ["mm**2"]).axes[0]

@@ -89,6 +89,10 @@ BAD = {
                  "[fixed] is missing, so profiles must support the section, but none touches it"),
     "no direction": (FIXED, FIXED + 'directions = ["z"]\n',
                      "[fixed]: directions = ['z'], but it must be a list of \"x\", \"y\" or both"),
+    "air of a hole that is cut": (
+        FIXED, SYMMETRY + "[[cavity]]\nhole = 2\n",
+                                  "but the section has 1 hole; holes are numbered from 1; a hole that "
+                                  "a plane of symmetry cuts is part of the outer contour"),
     "symmetry twice": (FIXED, FIXED + SYMMETRY, "[[symmetry]] 1: edges has 'base', which [fixed] has"),
     "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
                       "[[symmetry]] 1: edges has 'cavity', which does not lie in one plane of"),

@@ -146,7 +146,14 @@ def _check_cavities(file) -> None:
         where = f"[[cavity]] {number}: hole = {cavity.hole}"
         if cavity.hole > holes:
             has = f"{holes} hole{'s' if holes > 1 else ''}" if holes else "no hole"
-            raise SealFileError(f"{where}, but the section has {has}; holes are numbered from 1")
+            cut = (
+                "; a hole that a plane of symmetry cuts is part of the outer contour, and its air needs "
+                "the complete section, without [[symmetry]]"
+            )
+            raise SealFileError(
+                f"{where}, but the section has {has}; holes are numbered from 1"
+                + (cut if file.symmetries else "")
+            )
         if cavity.hole in seen:
             raise SealFileError(
                 f"{where}, which {seen[cavity.hole]} already has; remove one of them"

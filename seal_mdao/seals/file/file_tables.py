@@ -113,6 +113,21 @@ class SealFile:
         return self.model.kinematics == AXISYMMETRIC
 
     @property
+    def part(self) -> str:
+        """Words for the part of the section that the file has, where planes of symmetry cut it, and for
+        the forces that the complete section has; empty without such planes."""
+        normals = sorted({plane.normal for plane in self.symmetries})
+        if not normals:
+            return ""
+        # mirror images add up along the plane, and cancel each other across it
+        names = ("radial", "axial") if self.axisymmetric else ("horizontal", "vertical")
+        doubled = [names["yx".index(normal)] for normal in normals]
+        size = "half" if len(normals) == 1 else "a quarter"
+        return (
+            f"{size} of the section: double the {' and '.join(doubled)} force for the complete one"
+        )
+
+    @property
     def open_penalties(self) -> tuple:
         """Penalties that the file does not give, by the names of their parameters."""
         # contacts with profiles, then that of the section with itself

@@ -67,14 +67,15 @@ name = "plate"
 friction = 0.3
 contact = [{contact}]
 line = [[{left:.5g}, 0.0], [{right:.5g}, 0.0]]
-start = [0.0, {start:.5g}]
+start = [0.0, {start:.5g}]  # {clearance:.3g} mm above the top, {percent:.2g} % of the height of the section
 [[profile.stage]]
-translate = [0.0, {travel:.5g}]
+translate = [0.0, {travel:.5g}]  # the clearance, then {squeeze:.2g} % of the height
 
 [[measure]]
 type = "contact_width"
 [[measure]]
 type = "von_mises"
+away_from_singular = {spacing:.3g}  # mm from ends of fixed edges and sharp corners, where it is infinite
 
 # To optimise the shape, take the "#" away and name the edges that may move.
 # [[design]]
@@ -141,6 +142,7 @@ def from_drawing(
         spacing=min(width, height) / 12.0, lowest=_quoted(lowest),
         contact=", ".join(map(_quoted, touched)),
         left=low[0] - 3.0 * width, right=high[0] + 3.0 * width,
+        clearance=CLEARANCE * height, percent=100.0 * CLEARANCE, squeeze=100.0 * SQUEEZE,
         start=high[1] + CLEARANCE * height, travel=-(SQUEEZE + CLEARANCE) * height,
     )  # fmt: skip
 

@@ -1,6 +1,7 @@
 """Reference of seal files: every table with its keys, for the documentation and the command."""
 
 import re
+from typing import get_origin
 
 from seal_mdao.seals.file.design_table import DesignTable
 from seal_mdao.seals.file.edge_tables import (
@@ -12,6 +13,7 @@ from seal_mdao.seals.file.edge_tables import (
     SymmetryTable,
     TermTable,
 )
+from seal_mdao.seals.file.file_tables import Written
 from seal_mdao.seals.file.friction_table import FrictionTable
 from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import (
@@ -61,6 +63,39 @@ TABLES = {
 }  # fmt: skip
 """Class of every table of keys, by its name."""
 HEADER = ("key", "value", "default", "meaning")
+
+
+MATERIALS = ("material", "shore", "sponge")
+"""Tables that are written as ``[material.NAME]``."""
+LIST, ONE = "a list of tables", "a table {"
+"""Beginnings of the forms of keys that hold other tables."""
+
+
+def written_as(name: str) -> str:
+    """Write how a table of ``TABLES`` begins in a file: ``[fixed]``, ``[[profile]]``,
+    ``[[section.region]]``, or ``arc = {...}``; empty for the value of other keys."""
+    if name in MATERIALS:
+        return "[material.NAME]"
+    if name == "vary":
+        return "[tolerance.vary.NAME]"
+    if name in Written.model_fields:
+        several = get_origin(Written.model_fields[name].annotation) is tuple
+        return f"[[{name}]]" if several else f"[{name}]"
+    found = []
+    for parent, kind in TABLES.items():
+        form = kind.allowed(name) if name in kind.entries() and parent != name else ""
+        around = written_as(parent).strip("[]") if form else ""
+        # tables of lists are written inline
+        nested = parent in MATERIALS or parent in Written.model_fields
+        if form == LIST:
+            found.append(f"[[{around}.{name}]]")
+        elif form.startswith(ONE):
+            inline = not nested or written_as(parent).startswith("[[")
+            found.append(f"{name} = {{...}}" if inline else f"[{around}.{name}]")
+        elif ONE in form:
+            # beside a number
+            found.append(f"{name} = {{...}}")
+    return ", ".join(dict.fromkeys(found))
 
 
 def key_rows(kind: type[Table]) -> list[tuple]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from importlib import import_module
 from math import degrees
 from pathlib import Path
@@ -145,9 +146,13 @@ def _check_layers(document, **wanted) -> None:
     for key, names in wanted.items():
         for name in names:
             if name.casefold() not in every:
+                # layers with entities alone: drawings have many empty ones
+                filled = layer_names(document)
+                near = get_close_matches(name.casefold(), [own.casefold() for own in filled], 1)
+                hint = f" (did you mean {every[near[0]]!r}?)" if near else ""
                 raise GeometryError(
-                    f"{key} = {name!r}, but there is no such layer; the layers are "
-                    + ", ".join(every.values())
+                    f"{key} = {name!r}, but there is no such layer{hint}; the layers are "
+                    + ", ".join(filled)
                 )
 
 
