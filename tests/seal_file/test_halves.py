@@ -3,21 +3,17 @@
 from types import SimpleNamespace
 
 import pytest
-from block_files import FIXED, MOVED, text
 
 import seal_mdao as sm
 from seal_mdao.plotting.captions import seal_text
 from seal_mdao.seals.file.file_tables import SealFile
 
-PLANE = '[[symmetry]]\nedges = ["{}"]\nnormal = "{}"\n'
-
 
 @pytest.mark.parametrize(("normals", "rotated", "words"), [
     ("", False, ""),
-    ("x", False, "half of the section: double the vertical force for the complete one"),
-    ("y", True, "half of the section: double the radial force for the complete one"),
-    ("yx", False, "a quarter of the section: double the vertical and horizontal force for the "
-     "complete one"),
+    ("x", False, "half section: double its vertical force"),
+    ("y", True, "half section: double its radial force"),
+    ("yx", False, "quarter section: double its vertical and horizontal force"),
 ])  # fmt: skip
 def test_the_force_along_the_plane_is_that_of_half_a_seal(normals, rotated, words):
     planes = tuple(SimpleNamespace(normal=own) for own in normals)
@@ -25,9 +21,9 @@ def test_the_force_along_the_plane_is_that_of_half_a_seal(normals, rotated, word
     assert SealFile.part.fget(file) == words
 
 
-def test_captions_say_so(tmp_path):
-    path = tmp_path / "half.toml"
-    path.write_text(text(FIXED, MOVED, PLANE.format("left", "x")), encoding="utf-8")
-    assert "half of the section: double the vertical force" in seal_text(sm.read_seal_file(path))
-    path.write_text(text(FIXED, MOVED), encoding="utf-8")
-    assert "half" not in seal_text(sm.read_seal_file(path))
+def test_captions_say_so():
+    """Beside the materials, before the conditions."""
+    seal = SimpleNamespace(materials={"foam": sm.NeoHookean(1.0, 1.0)}, conditions=dict)
+    assert seal_text(seal) == "foam (Neo-Hookean)"
+    seal.part = "half section: double its vertical force"
+    assert seal_text(seal) == "foam (Neo-Hookean), half section: double its vertical force"

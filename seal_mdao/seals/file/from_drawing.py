@@ -67,7 +67,7 @@ name = "plate"
 friction = 0.3
 contact = [{contact}]
 line = [[{left:.5g}, 0.0], [{right:.5g}, 0.0]]
-start = [0.0, {start:.5g}]  # {clearance:.3g} mm above the top, {percent:.2g} % of the height of the section
+start = [0.0, {start:.5g}]  # {clearance:.3g} mm above the top, {percent:.2g} % of the height
 [[profile.stage]]
 translate = [0.0, {travel:.5g}]  # the clearance, then {squeeze:.2g} % of the height
 
