@@ -122,10 +122,8 @@ class SealFile:
         # mirror images add up along the plane, and cancel each other across it
         names = ("radial", "axial") if self.axisymmetric else ("horizontal", "vertical")
         doubled = [names["yx".index(normal)] for normal in normals]
-        size = "half" if len(normals) == 1 else "a quarter"
-        return (
-            f"{size} of the section: double the {' and '.join(doubled)} force for the complete one"
-        )
+        size = "half" if len(normals) == 1 else "quarter"
+        return f"{size} section: double its {' and '.join(doubled)} force"
 
     @property
     def open_penalties(self) -> tuple:
