@@ -10,12 +10,14 @@ from pressed_block import pressed_block
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.equilibrium.discretization import Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.several_seals import against_travel
 from seal_mdao.seals.profiles import contacts, profile_histories
+from seal_mdao.seals.result import unloaded
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.region import Region
 
@@ -112,6 +114,29 @@ def test_force_against_an_inclined_travel(pressed):
     against, words = against_travel(staged_motion(steps[:1], start=(0.0, 4.0)), history, units)
     assert against.tolist() == [0.0, 1.0]
     assert words == "vertical force on roll"
+
+
+def test_edges_of_a_section_look_different():
+    """By colour, or by dashes where there are more edges than colours."""
+    block = pressed_block()
+    body = block.body
+    top = body.edges["top"].particles
+    parts = {f"top_{i}": Edge(top[i : i + 2], closed=False) for i in range(len(top) - 1)}
+    body = replace(body, edges={**body.edges, **parts})
+    axes = plotting.section_cloud(unloaded(replace(block, body=body))).axes[0]
+    names = [*body.edges]
+    looks = {own.get_label(): (own.get_color(), own.get_linestyle()) for own in axes.lines}
+    assert len({looks[name] for name in names}) == len(names) == 11
+
+
+def test_a_scale_that_is_cut_says_so(pressed):
+    figure = plotting.deformed_shapes(pressed)
+    contours = [c for c in figure.axes[0].get_children() if isinstance(c, ContourSet)]
+    for own in contours:
+        cut = "arrow: higher at single points" in section.stress_label(own)
+        assert cut == (own.extend == "max")
+    labels = [axes.get_ylabel().partition(": ")[2] for axes in figure.axes if axes.get_ylabel()]
+    assert set(map(section.stress_label, contours)) <= set(labels)
 
 
 def test_single_points_do_not_set_the_scale():

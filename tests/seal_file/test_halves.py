@@ -23,7 +23,7 @@ def test_the_force_along_the_plane_is_that_of_half_a_seal(normals, rotated, word
 
 def test_captions_say_so():
     """Beside the materials, before the conditions."""
-    seal = SimpleNamespace(materials={"foam": sm.NeoHookean(1.0, 1.0)}, conditions=dict)
+    seal = SimpleNamespace(materials={"foam": sm.NeoHookean(1.0, 1e3)}, conditions=dict)
     assert seal_text(seal) == "foam (Neo-Hookean)"
     seal.part = "half section: double its vertical force"
     assert seal_text(seal) == "foam (Neo-Hookean), half section: double its vertical force"
