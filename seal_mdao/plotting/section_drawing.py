@@ -262,9 +262,9 @@ def draw_stress(axes: Axes, fine: FineGrid, step: int, scales: list[dict]) -> li
     return contours
 
 
-def stress_label(contours) -> str:
-    """Label a colour bar of the stress, and say where it is cut."""
-    return f"{STRESS}; arrow: higher at single points" if contours.extend == "max" else STRESS
+def stress_label(bar) -> str:
+    """Describe the stress of a colour bar, and say that its scale is cut if it is."""
+    return f"{STRESS}; arrow: higher at single points" if bar.extend == "max" else STRESS
 
 
 def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **options) -> None:
@@ -272,7 +272,8 @@ def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **optio
     regions = fine.result.seal.definitions[0].regions
     for own, region in zip(contours, regions, strict=False):
         name = f"{region.name}: " if len(contours) > 1 else ""
-        figure.colorbar(own, ax=axes, **options).set_label(f"{name}{stress_label(own)}")
+        bar = figure.colorbar(own, ax=axes, **options)
+        bar.set_label(f"{name}{stress_label(bar)}")
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:

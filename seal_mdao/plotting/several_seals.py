@@ -150,7 +150,6 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
         section.frame(axes, low, high, result.seal)
         axes.set_title(name, color=CYCLE[number % len(CYCLE)])
         panels.append(axes)
-    figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02).set_label(
-        section.stress_label(contours)
-    )
+    bar = figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02)
+    bar.set_label(section.stress_label(bar))
     return figure
