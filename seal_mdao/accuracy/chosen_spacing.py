@@ -132,7 +132,7 @@ def refine(
     raise ValueError(
         f"the estimated error of {name} is still {100.0 * error:.2g} % with a spacing of "
         f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; allow a larger "
-        "tolerance"
+        "error (--to of the command), or name fewer measures"
     )
 
 

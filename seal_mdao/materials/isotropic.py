@@ -144,7 +144,10 @@ class Isotropic(ABC):
         f and V and their slopes zero at 1. Then V' is the stress across the plane, and ``hoop_stretch``
         knows the energy at every stretch across it, which bodies of revolution need.
         """
-        raise NotImplementedError(f"{type(self).__name__} has no volumetric energy of its own")
+        raise NotImplementedError(
+            f"the compressible law {type(self).__name__} does not define the volumetric part V(J) of "
+            "its energy; define its method volumetric"
+        )
 
     # ---- three principal stretches, lambda_3 not fixed at 1 ----
 

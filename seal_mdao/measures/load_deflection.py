@@ -55,11 +55,13 @@ class LoadDeflectionError(Derived):
             object.__setattr__(self, what, tuple(own.tolist()))
         if not all(self.targets):
             raise ValueError(
-                f"a target of {self.name!r} is zero, but differences are relative to the targets; "
-                "leave this travel out"
+                f"a target force of {self.name!r} is zero, but differences are relative to the "
+                "targets; leave this travel out"
             )
         if min(self.weights) < 0.0 or not any(self.weights):
-            raise ValueError(f"weights of {self.name!r} must not be negative, nor all zero")
+            raise ValueError(
+                f"weights of {self.name!r} must not be negative, and at least one must be positive"
+            )
 
     def value(self, values):
         # m = sum_i w_i (F_i / T_i - 1)^2,  dm/dF_i = 2 w_i (F_i / T_i - 1) / T_i

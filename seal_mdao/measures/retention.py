@@ -35,8 +35,8 @@ class RetainedForce(Derived):
         first, last = values
         if first == 0.0:
             raise ValueError(
-                f"{self.name!r}: the earlier force is 0, so the ratio is not defined; choose a "
-                "stage or time at which the seal is in contact"
+                f"{self.name!r}: the force at the earlier stage or time is 0, so the ratio of the "
+                "forces is not defined; choose a stage or time at which the seal is in contact"
             )
         return last / first, np.array([-last / first**2, 1.0 / first])
 
@@ -179,9 +179,9 @@ class CompressionSet(Measure):
         )
         if closed == 0.0:
             raise ValueError(
-                f"{self.name!r}: the particle of the measure has no displacement at the end of "
-                f"stage {self.stage}, so there is no compression to recover; choose another point "
-                "or stage"
+                f"{self.name!r}: the measured particle has not moved at the end of stage "
+                f"{self.stage}, so there is no compression to recover; choose a point on the "
+                "surface that the profile compresses, or another stage"
             )
         # m = u_e / u_c
         at = 0, self.point, self.component

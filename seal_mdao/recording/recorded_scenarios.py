@@ -71,9 +71,13 @@ def _table(text: str) -> tuple[list[str], np.ndarray]:
         columns, rows = found["columns"], np.array(found["rows"], float)
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
         raise ValueError(
-            f"its option {SCENARIOS_OPTION} does not describe scenarios: {error}"
+            f"the recorded option {SCENARIOS_OPTION} is damaged, so the parameters of the scenarios "
+            f"are not known ({error}); give another recorder file, or record the run again"
         ) from error
     names = isinstance(columns, list) and all(isinstance(name, str) for name in columns)
     if not names or rows.ndim != 2 or not len(rows) or rows.shape[1] != len(columns):
-        raise ValueError(f"its option {SCENARIOS_OPTION} does not describe scenarios")
+        raise ValueError(
+            f"the recorded option {SCENARIOS_OPTION} is damaged, so the parameters of the scenarios "
+            "are not known; give another recorder file, or record the run again"
+        )
     return columns, rows

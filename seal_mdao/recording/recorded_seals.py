@@ -114,7 +114,8 @@ def recorded_settings(model: RecordedModel) -> dict:
                 if isinstance(found, dict):
                     return found
             raise ValueError(
-                f"its option {PROBLEM_OPTION} does not describe an optimisation problem"
+                f"the recorded option {PROBLEM_OPTION} is damaged, so the optimisation problem of "
+                "the run is not known; give another recorder file, or begin a new run"
             )
     return {}
 

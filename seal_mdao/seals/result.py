@@ -412,8 +412,9 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
         if not nominal.converged:
             names = ", ".join(repr(measure.name) for measure in wanted)
             raise LoadPathError(
-                f"the points of the measures {names} are chosen on the nominal seal, but its "
-                f"analysis failed: {nominal.failure}",
+                f"the measures {names} are evaluated at points that an analysis of the nominal "
+                "seal determines, but this analysis failed; make it succeed (sm.analyze("
+                f"seal.nominal())), or leave these measures out: {nominal.failure}",
                 nominal,
             )
         for measure in (*wanted, *seal.measures()):  # those of always are asked for next

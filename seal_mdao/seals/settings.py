@@ -66,7 +66,7 @@ def _all_chosen(chosen: dict, file: SealFile) -> dict:
     """What was chosen for a file, when it is all that the file leaves open: nothing is analysed here."""
     left_open = {"step_ends": file.step_tolerance is not None, "penalties": file.open_penalties}
     if set(chosen) != {name for name, is_open in left_open.items() if is_open}:
-        raise ValueError("the load steps or penalties that were chosen for this file are missing")
+        raise ValueError("the record lacks the load steps or penalties that the run has chosen")
     return chosen
 
 

@@ -286,7 +286,11 @@ class Term:
     def no_seeds(self, n_measures: int):
         """Zero seeds of measures on what they may take from the term: an object with ``used``, ``put``
         and ``times``, as ``PointSeeds``."""
-        raise ValueError(f"the term {self.label!r} provides no quantities for measures")
+        raise ValueError(
+            f"a measure uses the force or an output of the term {self.label!r}, but its class "
+            f"{type(self).__name__} does not define the method no_seeds, which derivatives of such "
+            "a measure need; define it (as PointTerm does), or leave the measure out"
+        )
 
 
 def work_of_forces(before, response) -> tuple[float, float]:

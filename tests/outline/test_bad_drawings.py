@@ -172,7 +172,7 @@ BAD = {
         polyline_of(20_001),
         "20001 segments (lines, arcs, splines) are more than the limit of 20000",
     ),
-    "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' has the character"),
+    "a layer of no such name": (wrong_layer, "on layer 'lip/top': the name 'lip/top' contains '/'"),
     "block": (block, "the contour is open: LINE of the block 'BULB' (INSERT #"),
     "face": (
         add("add_3dface", [(0, 0), (1, 0), (1, 1), (0, 1)]),

@@ -147,8 +147,8 @@ BAD = {
     "impossible penalty of self-contact": (FIXED, FIXED + TOUCH + "normal_penalty = 1e13\n",
         "[self_contact]: normal_penalty = 10000000000000.0, but it must be a number above 0 and at "),
     "an edge that no layer can be": ('edge = "cavity"', 'edge = "lip/top"',
-        "[[section.hole]] 1 (edge 'lip/top'): edge: the name 'lip/top' has the character '/', which "),
-    "an edge of two lines": ('edge = "cavity"', 'edge = "lip\\ntop"', "has the character '\\n', which"),
+        "[[section.hole]] 1 (edge 'lip/top'): edge: the name 'lip/top' contains '/', which "),
+    "an edge of two lines": ('edge = "cavity"', 'edge = "lip\\ntop"', "contains '\\n', which"),
     "too soft in volume": ("bulk_modulus = 80000.0", "bulk_modulus = 100.0",
         "[material.rubber]: bulk_modulus = 100 of MooneyRivlin gives a Poisson's ratio of -0.1 with"),
     "rough self-contact": (FIXED, FIXED + TOUCH.replace("0.3", "-0.3"),
@@ -346,7 +346,7 @@ BAD = {
                        "[section]: the key 'material' is missing; with several materials it must"),
     "unknown contact": ('contact = ["seal"]', 'contact = ["sael"]', "[[profile]] 1 ('door'): contact = "
                         "'sael', but there is no such edge (did you mean 'seal'?)"),
-    "contact is fixed": ('contact = ["seal"]', 'contact = ["base"]', "contact = 'base', but [fixed] c"),
+    "contact is fixed": ('contact = ["seal"]', 'contact = ["base"]', "contact = 'base', but [fixed] p"),
     "contact apart": ('contact = ["seal"]', 'contact = ["seal", "cavity"]', "is not one connected "
                       "part of the boundary"),
     "no shape": (*without(DOOR + "\n"), "[[profile]] 1 ('door'): needs exactly one of line, arc, spli"),
@@ -380,7 +380,7 @@ BAD = {
     "huge friction": ("friction = 0.25", "friction = 1e300", "a number of at least 0 and at most 10"),
     "many turns": ("rotate = 0.0", "rotate = 1e9", "a number of at least -3600 and at most 3600"),
     "no penalty": (DOOR, DOOR + "\nnormal_penalty = 0.0", "normal_penalty = 0.0, but it must be a numb"),
-    "no stage": (*without(STAGES), "[[profile]]: nothing moves, because none has a [[profile.stage]]"),
+    "no stage": (*without(STAGES), "[[profile]]: nothing moves, because no profile has"),
     "stage no list": (STAGES, "[profile.stage]\nsteps = 3\n", "profile.stage must be a list of tables"),
     "some steps": (*without("steps = 60\n"), "[[profile.stage]] 2 has steps, but [[profile]] 1 ('door'"
                    "): [[profile.stage]] 1 does not; give steps in all stages, or in none"),

@@ -61,8 +61,8 @@ def test_one_line_names_table_and_key(tmp_path, text, line):
         ),
         (
             VARY.replace("door_y", "c10"),
-            "numbers from -0.9999 to 0.9999 would replace c10 = 80, which is outside of this range; "
-            'give kind = "shift"',
+            "kind is missing, and the present value c10 = 80 is outside of the range -0.9999 to 0.9999 "
+            'of the numbers that would replace it; give kind = "shift"',
         ),
     ],
 )

@@ -86,7 +86,10 @@ def _check_supports(file) -> None:
         check_edges(where, "edges", plane.edges, outline)
         for name in plane.edges:
             if name in seen:
-                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which {seen[name]} has already; remove it from "
+                    "one of them"
+                )
             seen[name] = where
             axis = "xy".index(plane.normal)
             spread = [s.points(s.chords(LOOK * outline.size))[:, axis] for s in outline.edge(name)]
@@ -130,7 +133,10 @@ def _check_designs(file) -> None:
                     "remove it from one of them"
                 )
             if name in seen:
-                raise SealFileError(f"{where}: edges has {name!r}, which {seen[name]} has already")
+                raise SealFileError(
+                    f"{where}: edges has {name!r}, which {seen[name]} has already; remove it from "
+                    "one of them"
+                )
             if design.between is None:
                 seen[name] = where
 
@@ -258,8 +264,8 @@ def _check_fluid_edges(where: str, edges, file) -> None:
     touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
     if not any(name in touching for name in edges):
         raise SealFileError(
-            f"{where}, but no profile may touch these edges, so nothing stops the fluid; include "
-            f"one of the edges in contact with a profile: {', '.join(touching)}"
+            f"{where}, but no profile may touch these edges, so nothing stops the fluid; add to "
+            f"edge one of the edges that a profile may touch: {', '.join(touching)}"
         )
 
 
@@ -334,7 +340,8 @@ def _check_steps(file) -> None:
                 "[[moved.stage]]; add at least one"
             )
         raise SealFileError(
-            "[[profile]]: nothing moves, because none has a [[profile.stage]]; add at least one"
+            "[[profile]]: nothing moves, because no profile has a [[profile.stage]]; add one to "
+            "at least one profile"
         )
     first = moving[0]
     for profile in moving[1:]:
@@ -363,8 +370,8 @@ def _check_contact(where: str, profile, file) -> None:
         if len(file.supports.get(name, ())) == 2:
             owner = holder(file, name)
             raise SealFileError(
-                f"{where}: contact = {name!r}, but {owner} constrains this edge; remove it from "
-                "one of them"
+                f"{where}: contact = {name!r}, but {owner} prescribes the displacements of this "
+                f"edge, so it cannot come into contact; remove it from contact or from {owner}"
             )
     if isinstance(profile.friction, FrictionByGroup):
         check_friction_by_edge(where, profile)

@@ -226,7 +226,7 @@ class LoadDeflectionErrorTable(ReactionTable):
                 )
         if not all(self.value):
             raise SealFileError(
-                f"{where}: value contains a target of 0, but differences are relative to the "
+                f"{where}: value contains a target force of 0, but differences are relative to the "
                 f"targets; leave this {place} out"
             )
         if self.weight is not None and not any(self.weight):

@@ -114,9 +114,9 @@ class ToleranceTable(Table):
                 label = parameter.removesuffix(TRAVEL)
                 if label != parameter and f"{label}_y" in seal.scalars:
                     raise SealFileError(
-                        f"{place}: {parameter} can vary in sweeps only; a tolerance of the end of a "
-                        f"travel is one of the placement: {label}_x, {label}_y (shift, mm) or "
-                        f"{label}_angle (degrees)"
+                        f"{place}: {parameter} cannot have a tolerance, because it can vary in "
+                        f"sweeps only; give a tolerance of the position of the profile instead: "
+                        f"{label}_x or {label}_y (shift, mm) or {label}_angle (degrees)"
                     )
                 known(place, "parameters", parameter, list(seal.scalars), "parameter of the seal")
                 # 0 n = 0: nothing would vary
@@ -135,7 +135,8 @@ def _check_replaced(where: str, law, name: str, scalar) -> None:
     if low <= scalar.value <= high:
         return
     raise SealFileError(
-        f"{where}: numbers from {low:.4g} to {high:.4g} would replace {name} = {scalar.value:.4g}, "
-        'which is outside of this range; give kind = "shift" (added to the present value), '
-        '"factor" (multiplies it) or "value" (replaces it)'
+        f"{where}: kind is missing, and the present value {name} = {scalar.value:.4g} is outside of "
+        f"the range {low:.4g} to {high:.4g} of the numbers that would replace it; give "
+        'kind = "shift" (added to the present value), "factor" (multiplies it) or "value" '
+        "(replaces it)"
     )

@@ -26,7 +26,7 @@ def layer_name(name: str) -> str:
     forbidden = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
     if forbidden:
         raise GeometryError(
-            f"the name {name!r} has the character {forbidden[0]!r}, which is not allowed in the "
+            f"the name {name!r} contains {forbidden[0]!r}, which is not allowed in the "
             f"name of a DXF layer; avoid {' '.join(FORBIDDEN)} and control characters"
         )
     return name

@@ -140,7 +140,10 @@ def _parts(triangles, divided) -> np.ndarray:
 def _lost(points, triangles, given, sides) -> set:
     """Find the sides at which the boundary of the triangles and the loops differ."""
     if len(points) < len(given) or not np.array_equal(points[: len(given)], given):
-        raise GeometryError("the mesher has moved points of the boundary; change the spacing")
+        raise GeometryError(
+            "the triangles do not fill the section exactly, because Netgen has moved points of its "
+            "boundary; use a slightly smaller or larger spacing"
+        )
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     known = set(map(tuple, ends.tolist()))
     # a directed side without its opposite is on the boundary

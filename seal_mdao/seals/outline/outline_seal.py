@@ -313,8 +313,8 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
     if not remaining.size:
         raise ValueError(
-            "every part of the section is in a [[section.region]]; remove one, whose part then has "
-            "the material of [section]"
+            "every part of the section is in a [[section.region]]; remove one region, so that its "
+            "part has the material of [section]"
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))

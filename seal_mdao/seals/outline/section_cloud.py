@@ -111,7 +111,10 @@ class OutlineCloud:
         # inside a convex counter-clockwise cell: on the left of all its sides, s x (p - a) >= 0
         inside = (_cross(side, to) >= 0.0).all(axis=1)
         if not inside.any():
-            raise ValueError(f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section")
+            raise ValueError(
+                f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section; give a point inside "
+                "the region"
+            )
         return int(self.parts[np.flatnonzero(inside)[0]])
 
 
