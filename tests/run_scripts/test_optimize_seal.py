@@ -58,6 +58,9 @@ def test_continued_run_ends_at_an_optimum(stopped, continued, assert_drawn):
     assert s["objective"]["end"] < 0.95 * s["objective"]["start"]
     force = s["constraints"]["reaction"]
     assert (force["lower"], force["upper"], force["unit"]) == (15.0, 18.0, "N/m")
+    # warnings of the last design, with those of its analysis with new particles
+    assert any("fewer than 5" in text for text in s["warnings"])
+    assert set(s["on_new_cloud"]) >= {"reaction", "section_area"}
     assert force["end"] == pytest.approx(15.0, rel=1e-3)  # less rubber, less force
     assert s["max_constraint_violation"] <= 1e-3
     assert s["kkt"].pop("sides_of_kink") >= 1
