@@ -256,7 +256,8 @@ def test_design_whose_result_is_not_right_is_pointed_out(tmp_path):
         model.add_design_var("deep.door_radius", lower=3.5, upper=4.5)
         model.add_objective("deep.gap_square_sum")
 
-    path, _ = ran(build, tmp_path, driver=Driver())
+    with pytest.warns(sm.UntrustworthyResultWarning, match="the boundary crosses itself"):
+        path, _ = ran(build, tmp_path, driver=Driver())
     warned = re.findall(r'<p class="warning">(.*?)</p>', shapes(path)[0])
     for design in ("First", "Last"):
         text = f"{design} design of deep: the boundary crosses itself"

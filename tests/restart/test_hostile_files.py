@@ -214,7 +214,7 @@ def test_metadata_that_unpack_without_end(cases):
     packer = zlib.compressobj()
     blob = b"".join(packer.compress(bytes(2**24)) for _ in range(5)) + packer.flush()
     put(cases, "metadata", "conns", blob)
-    with pytest.raises(ValueError, match="more than 67108864 bytes"):
+    with pytest.raises(ValueError, match="larger than 67108864 bytes"):
         read_optimization(cases)
 
 
@@ -243,7 +243,7 @@ def test_names_are_text(cases, name):
 @pytest.mark.parametrize("text", ['{"valley.x": [1.0]}', '{"valley.x": []}'])
 def test_values_of_other_sizes_are_not_continued(cases, text):
     put(cases, "driver_iterations", "inputs", text)
-    with pytest.raises(RestartError, match=r"no case in .*cases\.sql holds"):
+    with pytest.raises(RestartError, match=r"no case in .*cases\.sql contains"):
         sm.restart(valley_problem(sm.UnoDriver()), cases)
 
 
