@@ -22,7 +22,8 @@ CURE = (
 
 
 def violated_anew(constraints: dict, anew: dict | None) -> list[str]:
-    """Describe the limits that the optimum violates when it is analysed with new particles, in one line.
+    """Describe the limits that the optimum satisfies with its own particles and violates with new ones,
+    in one line.
 
     Parameters
     ----------
@@ -45,9 +46,11 @@ def violated_anew(constraints: dict, anew: dict | None) -> list[str]:
             limit = row.get(side)
             if limit is None or np.size(limit) != 1 or not np.isfinite(limit):
                 continue
-            # sign (m - limit) > VIOLATED |limit|, of a limit of zero |m at the optimum|
+            # sign (m - limit) > VIOLATED |limit|; |m| of the optimum in place of a limit of zero
             size = abs(limit) or abs(row["end"])
-            if sign * (value[0] - limit) > VIOLATED * size:
+            # a limit that the optimum violates with its own particles is no matter of new ones
+            own, new = (sign * (number - limit) for number in (row["end"], value[0]))
+            if own <= VIOLATED * size < new:
                 far = abs(value[0] - limit)
                 relative = f" by {far / abs(limit):.1%}" if limit else ""
                 text = f"{label(name)} {value[0]:.4g} {row['unit']}".rstrip()

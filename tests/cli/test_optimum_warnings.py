@@ -33,6 +33,11 @@ def test_changes_within_one_per_cent_are_no_violation(anew):
     assert violated_anew(LIMITS, anew) == []
 
 
+def test_a_limit_violated_already_is_no_matter_of_particles():
+    limits = {"von_mises": LIMITS["von_mises"] | {"end": 1900.0}}
+    assert violated_anew(limits, {"von_mises": np.array([2025.32])}) == []
+
+
 @pytest.fixture(scope="module")
 def pressed():
     return sm.analyze(sm.door_seal(door="flat", depth=2.0, n_steps=8))
