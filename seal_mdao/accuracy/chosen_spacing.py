@@ -1,4 +1,4 @@
-"""Choose the spacing of the particles of a seal file so that estimated errors are below a tolerance.
+"""Choose the particle spacing of a seal file so that estimated errors are below the allowed error.
 
 Once, for the nominal seal. Errors fall with the square of the spacing h, so the next cloud has
 

@@ -167,7 +167,7 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
         )
     if cost.seconds > 3600.0 * hours:
         raise TooLargeError(
-            f"{what} {duration(cost.seconds)}, and more than {hours:g} h are refused; {fewer}, a "
+            f"{what} {duration(cost.seconds)}, more than the limit of {hours:g} h; {fewer}, a "
             "smaller kernel support (support), or raise the limit with the environment variable "
             f"{HOURS} (hours)"
         )

@@ -1,4 +1,4 @@
-"""List the materials that need no constants: dense rubber by its hardness, sponge by its grade."""
+"""List the materials that need no constants: dense rubber by its hardness, foam by its grade."""
 
 from seal_mdao.cli.arguments import parser
 from seal_mdao.materials.by_name import LAWS

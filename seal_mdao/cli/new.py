@@ -6,7 +6,7 @@ from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS
 
 RUBBER = """\
 # Rubber of about 45 Shore A (Mooney-Rivlin, kPa). Other laws: neo_hookean, yeoh, gent, ogden,
-# hyperfoam (sponge); from tests: law = "ogden", data = "tests.csv"
+# hyperfoam (foam); from tests: law = "ogden", data = "tests.csv"
 [material.rubber]
 law = "mooney_rivlin"
 c10 = 240.0

@@ -1,4 +1,4 @@
-"""Choose the spacing of the particles so that errors of all measures are below a tolerance."""
+"""Choose the particle spacing so that the estimated errors of the measures are at most PERCENT."""
 
 import json
 import os

@@ -87,11 +87,11 @@ def _open_in(file: SealFile) -> str:
 
 
 def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
-    """List the chosen load steps and penalties with their tolerances, one line each."""
+    """List the chosen load steps and penalties with their allowed errors, one line each."""
     lines = []
     if file.step_tolerance is not None:
-        within = f"chosen within {file.step_tolerance:.2%}"
-        missed = f"their tolerance of {file.step_tolerance:.2%} is not reached"
+        within = f"chosen for an error of at most {file.step_tolerance:.2%}"
+        missed = f"whose error exceeds the allowed {file.step_tolerance:.2%}"
         lines.append(f"{seal.n_steps} load steps, {missed if seal.step_error else within}")
     # penalties by name, kPa/mm
     penalties = chosen_for(file, seal).get("penalties", {})

@@ -22,7 +22,7 @@ COMMANDS = {
     "sweep": "vary one number: load-deflection curves and measures over this number",
     "compare": "compare seals: load-deflection, contact pressure and sections in one figure",
     "animate": "make an animation of the closing of a seal",
-    "materials": "list rubbers by hardness and sponges by grade",
+    "materials": "list material constants of rubber by hardness and of foam by grade",
     "fit": "fit the constants of a rubber to tests",
     "calibrate": "identify parameters of a seal from its measured force",
     "report": "write the HTML report of a recorder file",

@@ -1,4 +1,4 @@
-"""Storakers' compressible law for sponge rubber and foams.
+"""Storakers' compressible law for foam rubber and other foams.
 
 W = sum 2 mu/alpha^2 [lambda_1^alpha + lambda_2^alpha + lambda_3^alpha - 3 + (J^(-alpha b) - 1) / b],
 b = nu / (1 - 2 nu)

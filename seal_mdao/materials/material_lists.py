@@ -1,4 +1,4 @@
-"""Tables of materials without given constants: dense rubber by hardness, sponge by grade."""
+"""Tables of materials without given constants: dense rubber by hardness, foam by grade."""
 
 from typing import NamedTuple
 
@@ -52,9 +52,9 @@ def dense_rubbers() -> MaterialList:
 
 
 def sponges() -> MaterialList:
-    """List the pressure and the constant of sponge rubber by grade."""
+    """List the pressure and the constant of foam rubber by grade."""
     return MaterialList(
-        'closed-cell sponge rubber, such as EPDM, by its grade of ASTM D1056, sponge = "2A3"',
+        'closed-cell foam rubber, such as EPDM, by its grade of ASTM D1056, sponge = "2A3"',
         ("grade", "pressure at 25 % of compression (kPa)", "mu_1 (kPa)"),
         tuple(
             (
@@ -67,7 +67,7 @@ def sponges() -> MaterialList:
         (
             "Hyperfoam of one term in the middle of the grade, alpha_1 = 2 and nu_1 = 0 by assumption: "
             "a grade is one number.",
-            "The width of the grade is the scatter: a factor of mu_1 in a file of tolerances.",
+            "The width of the grade is the scatter: vary mu_1 by a factor in [tolerance].",
             _range(GradedSponge),
             "Tension and lateral strain are not part of the specification; where they matter fit "
             "hyperfoam to tests.",

@@ -1,4 +1,4 @@
-"""Sponge rubber by its grade of ASTM D1056, often the only number stated by suppliers.
+"""Foam rubber (sponge) by its grade of ASTM D1056, often the only number stated by suppliers.
 
 A grade is a range of the pressure that compresses a sheet by 25 %. One number determines one modulus,
 so the law is the hyperfoam of one term with alpha = 2 and nu = 0: W = mu/2 (I1 - 3 - 2 ln J), the
@@ -18,7 +18,7 @@ GRADES = {
     "2A1": (2.0, 5.0), "2A2": (5.0, 9.0), "2A3": (9.0, 13.0), "2A4": (13.0, 17.0),
     "2A5": (17.0, 25.0),
 }  # fmt: skip
-"""Pressure at 25 % of compression, psi, of closed-cell sponge (2) of rubber that need not resist oil,
+"""Pressure at 25 % of compression, psi, of closed-cell foam (2) of rubber that need not resist oil,
 such as EPDM (A): ASTM D1056, Standard Specification for Flexible Cellular Materials - Sponge or
 Expanded Rubber."""
 
@@ -38,7 +38,7 @@ def pressure_range(grade: str) -> tuple[float, float]:
 
 
 def graded_sponge(grade: str) -> GradedSponge:
-    """Make the sponge in the middle of a grade of ``GRADES``."""
+    """Make the foam in the middle of a grade of ``GRADES``."""
     # p = mu (1 / lambda - lambda) at lambda = 0.75
     pressure = 0.5 * sum(pressure_range(grade))
     return GradedSponge((pressure / (1.0 / COMPRESSED - COMPRESSED),), (2.0,), (0.0,))

@@ -75,7 +75,7 @@ def _law_text(law) -> str:
     if isinstance(law, ShoreRubber):
         return f"{law.shore_a:g} Shore A"
     if isinstance(law, GradedSponge):
-        return "sponge of ASTM D1056"
+        return "foam of ASTM D1056"
     # MooneyRivlin: Mooney-Rivlin
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "-", type(law).__name__)
 

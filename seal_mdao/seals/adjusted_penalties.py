@@ -4,7 +4,7 @@ Called by ``steps_and_penalties``; initial values are those of ``contact.default
 estimate (``penalty_error``) falls with the inverse of a penalty. Penalties are therefore raised by the
 ratio of error to tolerance, unless the iterations then converge badly, or rounding bounds them.
 Penalties with which the iterations converge badly, and whose error is far below the tolerance, as those
-of thin walls of sponge, are lowered by the same ratio.
+of thin walls of foam, are lowered by the same ratio.
 """
 
 from dataclasses import replace

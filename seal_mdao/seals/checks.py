@@ -39,7 +39,7 @@ MISSED = 0.02
 SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
 """det F of nearly incompressible material below which it is reported, and is not admissible."""
 SOLID_VOLUME = 0.2
-"""det F of compressible material below which it is reported: less than the rubber in a light sponge
+"""det F of compressible material below which it is reported: less than the rubber in a light foam
 takes up. Largest stresses agree under refinement above 0.3, and differ by factors below 0.1."""
 HIGH_PRESSURE = 9.0
 """Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""

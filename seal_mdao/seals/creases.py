@@ -22,7 +22,7 @@ def creases(samples: EvaluationPoints) -> str:
     """Describe the free segment of the boundary with the smallest stretch if that is below
     ``CREASES``; else return an empty text.
 
-    Empty for compressible materials, such as sponge, too.
+    Empty for compressible materials, such as foam, too.
     """
     if not samples.keeps_volume:
         return ""

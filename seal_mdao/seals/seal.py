@@ -389,10 +389,10 @@ class Seal:
         if not self.step_error:
             return ()
         return (
-            f"{self.n_steps} load steps still err by {self.step_error:.1%} of the largest force or "
-            "measure, and more of them do not help: the other warnings name the cause, often a loss of "
-            "stability, or walls that meet without [self_contact]; change the section, or end the "
-            "travel before",
+            f"{self.n_steps} load steps cause an error of {self.step_error:.1%} of the largest force or "
+            "measure, which more load steps do not reduce: the other warnings name the cause, often a "
+            "loss of stability, or walls that meet without [self_contact]; change the section, or "
+            "reduce the travel",
         )
 
     # ---- design ----

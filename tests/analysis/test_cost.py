@@ -32,7 +32,7 @@ def test_days_are_refused_with_what_allows_them(monkeypatch):
     monkeypatch.setattr(cost, "machine_memory", lambda: 1e6)
     seal = sm.door_seal(rays=580, layers=11, n_steps=10**6)
     with pytest.raises(
-        sm.TooLargeError, match=r"[\d.]+ days, and more than 24 h are .*" + cost.HOURS
+        sm.TooLargeError, match=r"[\d.]+ days, more than the limit of 24 h; .*" + cost.HOURS
     ):
         sm.analyze(seal)
     hours = sm.estimate(seal).seconds / 3600.0

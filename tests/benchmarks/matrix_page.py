@@ -21,7 +21,7 @@ A run has converged if the optimiser reports success, the error of the optimalit
 most {kkt:g}, and no constraint is violated by more than {violation:g}. The error of the optimality
 conditions (KKT in the tables) is the largest entry of the gradient of the scaled Lagrangian or of the
 complementarity products, computed in the same way for all optimisers by
-{{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These tolerances, the seed of the random cases
+{{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These limits, the seed of the random cases
 and their distribution were fixed before the first run, and each case is run once. The cost is given
 relative to that of the nominal seal. It cannot be negative, so the cost of a run is an upper bound of
 the possible further improvement.

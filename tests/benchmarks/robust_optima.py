@@ -72,7 +72,7 @@ CHANGES = {
             # read where it is
             'dxf = "car': f'dxf = "{EXAMPLES.as_posix()}/car',
             "spacing = 0.9\nlayers = 5": "spacing = 1.4\nlayers = 4",
-            # 8 E/h of the sponge: the force errs by 0.1 % and the stress by 0.2 %
+            # 8 E/h of the foam: the force errs by 0.1 % and the stress by 0.2 %
             "friction = 0.3": "friction = 0.3\nnormal_penalty = 10000.0\ntangent_penalty = 400.0",
             "-5.79555495773441]": "-5.79555495773441]\nsteps = 14",
             "lower = 4.5\nupper = 6.0": "lower = 3.5\nupper = 6.5",

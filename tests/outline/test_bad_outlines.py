@@ -72,7 +72,7 @@ BAD = {
         lambda: Contour([BASE, Circle((3.0, 0.0), 1.0, "seal"), Line((4, 0), (0, 0), "x")]),
         "segment 2 (edge 'seal') is a circle, which must be the only segment",
     ),
-    "clockwise": (lambda: Outline(lines(SQUARE[::-1])), "(edges seal) is walked clockwise; reverse"),
+    "clockwise": (lambda: Outline(lines(SQUARE[::-1])), "(edges seal) runs clockwise; reverse"),
     "no contour": (lambda: Outline(BASE), "a section must consist of contours (Contour), got Line"),
     "no contour in holes": (lambda: bulb(3.0), "a section must consist of contours (Contour), got 3.0"),
     "bow tie": (

@@ -46,7 +46,7 @@ def test_a_caption_has_name_materials_and_date():
 
 def test_rubbers_by_hardness_and_sponges_by_grade_are_named_as_users_do():
     laws = {"lip": ShoreRubber(70.0), "bulb": graded_sponge("2A2")}
-    assert materials_text(laws) == "lip (70 Shore A), bulb (sponge of ASTM D1056)"
+    assert materials_text(laws) == "lip (70 Shore A), bulb (foam of ASTM D1056)"
 
 
 def test_environment_and_varied_parameters_are_named():

@@ -308,7 +308,7 @@ BAD = {
     "open contour": (ARC, ARC.replace("end = [-4.0", "end = [-5.0"),
                      "[[section.outer]]: the contour is open: segment 2 (edge 'seal') ends at (-5, 0)"),
     "clockwise": (ARC, ARC.replace("14.0", "-14.0"), "[section]: the outer contour (edges base, seal) "
-                  "is walked clockwise"),
+                  "runs clockwise"),
     "crossing": (ARC, "spline = [[4.0, 0.0], [-5.0, 9.0], [5.0, 9.0], [-4.0, 0.0]]", "crosses itself"),
     "hole open": (CIRCLE, "line = [[0.0, 6.0], [1.0, 7.0], [0.0, 8.0]]",
                   "[[section.hole]] of hole 1: the contour is open: segment 2 (edge 'cavity')"),

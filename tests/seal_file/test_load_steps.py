@@ -272,7 +272,7 @@ def test_a_tolerance_that_is_not_reached_is_told_with_the_results(tmp_path, monk
     monkeypatch.setattr("seal_mdao.seals.refined_steps.ROUNDS", 1)
     seal = sm.build_seal(read(tmp_path, f"{OPEN}[steps]\ntolerance = 1e-9\n"))
     result = sm.analyze(seal)
-    assert any("24 load steps still err by" in text for text in result.warnings)
+    assert any("24 load steps cause an error of" in text for text in result.warnings)
 
 
 def test_pictures_show_even_parts_of_uneven_stages(bulb):

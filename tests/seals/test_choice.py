@@ -82,7 +82,9 @@ def test_a_tolerance_that_is_not_reached_is_told(monkeypatch):
     assert 16 < len(choice.ends) == choice.seal.n_steps <= 32
     assert choice.seal.step_error == choice.step_error > 1e-9
     (text,) = choice.seal.warnings
-    assert text.startswith(f"{len(choice.ends)} load steps still err by {choice.step_error:.1%}")
+    assert text.startswith(
+        f"{len(choice.ends)} load steps cause an error of {choice.step_error:.1%}"
+    )
     # the path of the last round is the analysis
     result = sm.analyze(choice.seal)
     assert text in result.warnings

@@ -213,10 +213,10 @@ class SelfContactTable(Table):
         "Coulomb coefficient, or another law; if not given, only the edges of pair may touch", None
     )
     normal_penalty: Penalty | None = key(
-        "normal penalty; it is chosen by tolerance if not given", None
+        "normal penalty; it is chosen automatically if not given", None
     )
     tangent_penalty: Penalty | None = key(
-        "tangential penalty; it is chosen by tolerance if not given", None
+        "tangential penalty; it is chosen automatically if not given", None
     )
     pairs: rows(PairTable) = key("pairs of edges with their own friction", (), alias="pair")
 

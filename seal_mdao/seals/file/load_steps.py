@@ -39,22 +39,22 @@ Steps = Annotated[
 
 @table
 class StepsTable(Table):
-    """Tolerance for the choice of load steps that the stages do not give."""
+    """Allowed error for the choice of load steps that the stages do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
         "largest admissible relative change of a measure or of the force on a profile by a "
-        "further division of the load steps",
+        "further halving of the load steps (allowed error)",
         STEP_TOLERANCE,
     )
 
 
 @table
 class PenaltiesTable(Table):
-    """Tolerance for the choice of penalties that the contacts do not give."""
+    """Allowed error for the choice of penalties that the contacts do not give."""
 
     tolerance: number(above=0.0, most=1.0) = key(
-        "largest admissible relative error by the penalties of a measure, a force, penetration "
-        "and elastic slip",
+        "largest admissible relative error that the penalties cause in a measure or a force, and "
+        "largest relative penetration and elastic slip (allowed error)",
         PENALTY_TOLERANCE,
     )
 

@@ -243,9 +243,9 @@ class ShoreTable(MaterialTable):
 
 @table(kw_only=True)
 class SpongeTable(MaterialTable):
-    """Sponge rubber given by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
+    """Foam rubber given by its grade of ASTM D1056: hyperfoam of one term, alpha = 2, nu = 0."""
 
-    sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as sponge of EPDM")
+    sponge: one_of(*GRADES) = key("grade, instead of a law: closed cells, such as foam of EPDM")
 
     def made(self, where: str, folder: Path) -> Isotropic:
         """Make the law, as ``LawTable.made``."""

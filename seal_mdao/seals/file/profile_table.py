@@ -39,7 +39,7 @@ class StageTable(Table):
     translate: Place = key("translation in this stage", (0.0, 0.0))
     rotate: Angle = key("rotation about the pivot, counter-clockwise", 0.0)
     steps: Steps | None = key(
-        "load steps; they are chosen by tolerance if no stage gives them", None
+        "load steps; they are chosen automatically if no stage gives them", None
     )
     duration: number("s", above=0.0) | None = key(
         "duration of the stage, for materials that relax and cavities with vents; default with "
@@ -117,10 +117,10 @@ class ProfileTable(Staged, SegmentTable):
     angle: Angle = key("rotation about the pivot at the start", 0.0)
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
     normal_penalty: Penalty | None = key(
-        "normal penalty; it is chosen by tolerance if not given", None
+        "normal penalty; it is chosen automatically if not given", None
     )
     tangent_penalty: Penalty | None = key(
-        "tangential penalty; it is chosen by tolerance if not given", None
+        "tangential penalty; it is chosen automatically if not given", None
     )
     contact_points: one_of(*CONTACT_POINTS) | None = key(
         "points at which contact is evaluated: the particles, the midpoints between "

@@ -135,7 +135,7 @@ class Outline:
         for contour, title in zip(self.contours, self.titles, strict=True):
             if contour.area < 0.0 and contour not in self.holes:
                 raise GeometryError(
-                    f"{title} (edges {', '.join(contour.edge_names)}) is walked clockwise; reverse "
+                    f"{title} (edges {', '.join(contour.edge_names)}) runs clockwise; reverse "
                     "its direction, so that the material lies on the left"
                 )
         check_nested(labelled, self.titles, len(self.holes))

@@ -4,8 +4,8 @@ from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.region import Region
 
 SHEAR = (5.0, 2e4)
-"""Shear moduli of rubber and sponge, kPa: sponge of grade 2A1 (ASTM D1056) has about 40, soft foam less,
-rubber of 95 Shore A about 15,000."""
+"""Shear moduli of dense rubber and foam, kPa: foam of grade 2A1 (ASTM D1056) has about 40, softer foams
+less, rubber of 95 Shore A about 15,000."""
 MOST_BULK = 1e7
 """Bulk modulus, kPa; dense rubber has 1e6 to 3e6."""
 EXPANSION = (5e-5, 5e-4)
@@ -39,7 +39,7 @@ def _of_region(region: Region, environment):
         compared = "smaller" if shear < SHEAR[0] else "larger"
         yield (
             f"{what} has an initial shear modulus of {shear:.4g} kPa, {compared} than that of rubber "
-            f"and sponge, {SHEAR[0]:g} to {SHEAR[1]:g}; moduli are in kPa: 1 MPa is 1000 kPa"
+            f"and foam, {SHEAR[0]:g} to {SHEAR[1]:g}; moduli are in kPa: 1 MPa is 1000 kPa"
         )
     if bulk > MOST_BULK:
         yield (
