@@ -42,7 +42,8 @@ def test_writers_that_are_missing_are_named_with_their_extra(monkeypatch, missin
     with pytest.raises(ImportError) as found:
         require_writers()
     said = str(found.value)
-    assert f"not installed: {', '.join(WRITERS[own] for own in missing)};" in said
+    names = " and ".join(WRITERS[own] for own in missing)
+    assert f"needs {names}, not installed: pip install" in said
     assert "seal_mdao[dxf]" in said
 
 
