@@ -54,7 +54,7 @@ def test_travels_stay_where_they_are_when_the_depth_is_an_input(tmp_path):
     expected = np.interp(curve.travels, result.travel, result.reaction[:, 1])
     np.testing.assert_allclose(problem.get_val("reaction_curve"), expected, rtol=1e-10)
     problem.set_val("depth", 3.0)
-    with pytest.raises(om.AnalysisError, match="requested at 4 mm of travel"):
+    with pytest.raises(om.AnalysisError, match="needs the force at 4 mm of travel"):
         problem.run_model()
     assert np.isnan(problem.get_val("reaction_curve")).all()
 
