@@ -342,7 +342,9 @@ def _trimmed(where: str, line, outline: Outline) -> tuple[Outline, list]:
     if line is None:
         return outline, []
     if len(line) == 2 and np.hypot(*np.subtract(*line)) <= JOIN:
-        raise SealFileError(f"{where}: line begins and ends at {pair(line[0])}")
+        raise SealFileError(
+            f"{where}: line begins and ends at {pair(line[0])}; it must connect two different points"
+        )
     try:
         return trimmed(outline, line)
     except GeometryError as error:
