@@ -323,8 +323,8 @@ class ContactTerm(PointTerm):
         if np.any(gap < -slack):
             raise GeometryError(
                 f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
-                f"profile {self.label!r}; move the profile away by at least this distance (its "
-                f"start, or the parameters {self.label}_x and {self.label}_y)"
+                f"profile {self.label!r}; move the profile away by at least this distance (start of "
+                f"the door seal; start, {self.label}_x or {self.label}_y of a seal file)"
             )
 
     def changes(self, step, response, target):
