@@ -187,5 +187,5 @@ def test_table_of_a_seal_file(name):
     assert read.pop("law") == word
     assert by_name.LAWS[word] is type(law)
     assert ordered(type(law)(**read)) == pytest.approx(ordered(law), rel=1e-7)
-    with pytest.raises(ValueError, match="name of a material .*'a b'"):
+    with pytest.raises(ValueError, match=r"name of a material .*'a b'"):
         material_table(law, word, "a b")
