@@ -115,7 +115,7 @@ def test_a_curve_in_a_file_is_the_one_in_the_table(tmp_path):
             r"\[\[measure\]\] 2: the target curve is missing",
         ),
         ("[2.0, 5.0, 9.0]", "[2.0, 5.0]", "value has 2 numbers, but travel has 3"),
-        ("[2.0, 5.0, 9.0]", "[2.0, 0.0, 9.0]", "value contains a target of 0"),
+        ("[2.0, 5.0, 9.0]", "[2.0, 0.0, 9.0]", "value contains a target force of 0"),
         ("[1.0, 0.5, 2.0]", "[1.0, 0.5]", "weight has 2 numbers, but travel has 3"),
         ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "all numbers of weight are zero"),
         ("[1.0, 0.5, 2.0]", "[1.0, -0.5, 2.0]", "weight = .*numbers of at least 0"),

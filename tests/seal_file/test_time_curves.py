@@ -93,5 +93,5 @@ def test_the_report_has_a_section_of_seals_with_times(relaxed, plain):
 def test_nothing_changes_without_times(plain, tmp_path):
     assert column(plain, tmp_path, "time_s") is None
     assert "after" not in plain.caption(2)
-    with pytest.raises(ValueError, match="take no time"):
+    with pytest.raises(ValueError, match="no stage has a duration"):
         plotting.force_over_time(plain)
