@@ -320,7 +320,11 @@ def test_without_a_temperature_the_expansion_is_no_parameter(tmp_path):
         ),
         ("bulk_modulus = 4000.0", "bulk_modulus = 2e9", "bulk modulus of 2e+09 kPa, larger than"),
         ("expansion = 5e-4", "expansion = 1e-3", "expansion of 0.001 1/K, outside of"),
-        ("swelling = 1.06", "swelling = 0.15", "swelling of 0.15, outside of 0.8 to 3; swelling is"),
+        (
+            "swelling = 1.06",
+            "swelling = 0.15",
+            "swelling of 0.15, outside of 0.8 to 3; swelling is",
+        ),
         ("temperature = 90.0", "temperature = 363.15", "temperature of 363.1 degrees Celsius is"),
     ],
 )

@@ -200,7 +200,7 @@ def test_planes_of_symmetry_stay_planes():
     (plane,) = (s for s in new.outer.segments if s.edge == "plane")
     np.testing.assert_allclose(plane.first, (0.0, 10.3), atol=1e-12)
     with pytest.raises(
-        ValueError, match=r"the vertex \(0, 10\) cannot move in x, across the plane"
+        ValueError, match=r"the vertex \(0, 10\) cannot move in x, out of the plane"
     ):
         moved(half(), [VertexDesign((0.0, 10.0), (0, 1))], [0.3, 0.1], supports)
 
