@@ -46,7 +46,7 @@ def test_headline_has_the_largest_gap_anywhere(tmp_path, run_script, capsys):
     assert 0.1 * gap["start"] < gap["end"] < gap["start"]
     assert f"largest gap between the contacts {gap['start']:.4f} -> {gap['end']:.4f} mm" in said
     (text,) = s["warnings"]
-    assert "lies outside of the points at which gap_square_sum is measured" in text
+    assert "lies outside of the points at which gap_square_sum is evaluated" in text
     assert f"WARNING (last design): {text}" in said
     page = (tmp_path / "sum" / "report.html").read_text(encoding="utf-8")
     assert "the opening has moved away from them" in page
