@@ -264,7 +264,7 @@ def draw_stress(axes: Axes, fine: FineGrid, step: int, scales: list[dict]) -> li
 
 def stress_label(bar) -> str:
     """Describe the stress of a colour bar, and say that its scale is cut if it is."""
-    return f"{STRESS}; arrow: higher at single points" if bar.extend == "max" else STRESS
+    return f"{STRESS}\n(arrow: higher at single points)" if bar.extend == "max" else STRESS
 
 
 def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **options) -> None:

@@ -135,7 +135,7 @@ def test_a_scale_that_is_cut_says_so(pressed, monkeypatch, cut):
     figure = plotting.deformed_shapes(pressed)
     labels = [axes.get_ylabel() for axes in figure.axes if "stress" in axes.get_ylabel()]
     assert len(labels) == 2
-    assert all(own.endswith("; arrow: higher at single points") == cut for own in labels)
+    assert all(own.endswith("\n(arrow: higher at single points)") == cut for own in labels)
 
 
 def test_single_points_do_not_set_the_scale():
