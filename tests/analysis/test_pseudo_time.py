@@ -55,6 +55,8 @@ def test_damped_motion_completes_the_path(sliding, stuck):
     path = sliding.path
     assert sliding.converged
     assert len(path.steps) == 105
+    # iterations that cycle are followed by damped motion at once, not by shorter steps
+    assert path.step_cuts == 0
     for one, other in zip(path.steps[:done], stuck.path.steps[:done], strict=True):
         np.testing.assert_array_equal(one.d, other.d)
     moved = np.abs(path.steps[done].d - path.steps[done - 1].d).max()
