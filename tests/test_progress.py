@@ -97,3 +97,14 @@ def test_time_left_of_a_choice_is_that_of_the_paths_before(clock, capsys):
         "choosing load steps, 2 of 2, about 60 s left ...",
         "choosing load steps, 3 of 4, about 3.73 min left ...",
     ]
+
+
+def test_faults_of_the_first_results_are_printed_once(capsys):
+    crosses = "the boundary crosses itself near x = {}, y = 2 by 1 mm"
+    with progress.LoadStepProgress(None, "choosing load steps") as bar:
+        bar.faults([crosses.format(1)])
+        # the same fault at a place nearby, in the next analysis, and another one
+        bar.faults([crosses.format(1.1), "material is inverted"])
+    said = capsys.readouterr().err
+    assert said.count("the boundary crosses itself") == 1
+    assert "choosing load steps, first results: material is inverted" in said

@@ -10,6 +10,7 @@ from test_build import COARSE, read
 import seal_mdao as sm
 from seal_mdao.analysis.path_result import ConvergedStep, Status
 from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.seals.checks import Finding
 from seal_mdao.seals.file.chosen import chosen_ends, chosen_for
 from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.penalty_error import penalty_errors
@@ -261,6 +262,32 @@ def test_where_a_path_fails_more_load_steps_are_tried(tmp_path, monkeypatch):
     assert sm.build_seal(read(tmp_path, OPEN)).n_steps == 96
     # twice cut short; then the penalties are raised and the steps are halved
     assert tried == [12, 24, 48, 96]
+
+
+def test_given_load_steps_bound_those_in_which_penalties_are_chosen(tmp_path, monkeypatch):
+    tried, told = [], []
+
+    def failing(seal, *design, **options):
+        tried.append(seal.n_steps)
+        result = analyze_particles(seal, *design, **options)
+        return cut_short(result) if len(tried) < 2 else result
+
+    monkeypatch.setattr("seal_mdao.seals.steps_and_penalties.analyze_particles", failing)
+    monkeypatch.setattr(
+        "seal_mdao.seals.steps_and_penalties.findings", lambda path: [Finding("a fault", True)]
+    )
+
+    def callback(step):
+        """Take load steps."""
+
+    callback.faults = told.append
+    given = re.sub(r"(translate = .*\n)", r"\1steps = 15\n", OPEN)
+    seal = sm.build_seal(read(tmp_path, given), callback)
+    # about twelve of the given ones, which fail, then all that are given
+    assert tried[0] < seal.n_steps
+    assert set(tried[1:]) == {seal.n_steps}
+    # what is impossible is told after every completed path
+    assert told == [["a fault"]] * (len(tried) - 1)
 
 
 def cut_short(result):
