@@ -286,7 +286,7 @@ def test_given_load_steps_bound_those_in_which_penalties_are_chosen(tmp_path, mo
     # about twelve of the given ones, which fail, then all that are given
     assert tried[0] < seal.n_steps
     assert set(tried[1:]) == {seal.n_steps}
-    # what is impossible is told after every completed path
+    # impossible states are reported after every completed path
     assert told == [["a fault"]] * (len(tried) - 1)
 
 

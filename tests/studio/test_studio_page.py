@@ -154,6 +154,13 @@ def test_error_bars_are_those_of_the_file(page):
         "const text = document.getElementById('lights').innerText;return text.includes('±') && text"
     )
     assert "reaction" in text
+    # the force at the end of the curve has its bar, plus and minus the same
+    bar, force = page.wait(
+        "const own = charts.curve.chart.spec.series.find((s) => s.name.includes('numerical error'));"
+        "return own && [own.values, present().curves[0].force.at(-1)]"
+    )
+    half = found["force_on_plate"][1]
+    assert bar == pytest.approx([force - half, force + half], rel=1e-9)
 
 
 def test_a_change_is_not_lost_to_an_older_answer(page):

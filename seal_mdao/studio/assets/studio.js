@@ -131,6 +131,12 @@ function drawCharts(now) {
   now.curves.forEach((own, i) => {
     const name = now.curves.length > 1 ? own.name : "this design";
     add(curves, { name, x: [0, ...own.along], values: [0, ...component(own.force, own.component)], color: color(i), dash: now.exactly ? "" : "5 3" });
+    // estimated numerical error of the force at the end of the path, at the section of the file
+    const error = state.errors && state.errors[`force_on_${own.name}`], end = own.force.length / 2 - 1;
+    if (error && end >= 0) {
+      const at = own.along[end], force = own.force[2 * end + own.component], half = error[own.component];
+      add(curves, { name: `${name}, estimated numerical error`, x: [at, at], values: [force - half, force + half], color: color(i), dots: 2 });
+    }
     // scatter of the tolerances to first order, at the last exact analysis
     const band = state.scatter && state.scatter[i];
     if (band) [["+", 2], ["−", -2]].forEach(([sign, k]) => add(curves, {
@@ -200,7 +206,9 @@ function drawFigures(now) {
   rows.push(["largest stress shown", `${readable(peak, 3)} kPa`]);
   place("figures").replaceChildren(...rows.map(([name, value]) => {
     const row = document.createElement("li");
-    row.innerHTML = `<span>${escaped(name)}</span><strong>${escaped(value)}</strong>`;
+    // with its error a value needs smaller letters to stay on one line
+    const kind = value.includes("±") ? ' class="with-error"' : "";
+    row.innerHTML = `<span>${escaped(name)}</span><strong${kind}>${escaped(value)}</strong>`;
     return row;
   }));
 }
