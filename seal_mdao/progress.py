@@ -9,6 +9,7 @@ from tqdm import tqdm
 from seal_mdao.analysis.cost import duration
 from seal_mdao.analysis.path_result import ConvergedStep
 from seal_mdao.seals.seal import Seal
+from seal_mdao.values import without_numbers
 
 
 def hidden() -> bool | None:
@@ -137,7 +138,7 @@ class LoadStepProgress:
         """Print what is impossible in the last result, each message once."""
         for text in messages:
             # numbers in the messages differ between analyses
-            kind = text.partition(" at ")[0][:30]
+            kind = without_numbers(text)
             if kind not in self._told:
                 self._told.add(kind)
                 tqdm.write(f"{self._label}, first results: {text}", file=sys.stderr)

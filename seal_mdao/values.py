@@ -1,9 +1,12 @@
 """Check values given by users; one-line errors (ValueError, TypeError) state what is allowed."""
 
 import math
+import re
 from numbers import Integral, Real
 
 import numpy as np
+
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 
 def real(name: str, value, low=-math.inf, high=math.inf, *, above=None, below=None) -> float:
@@ -156,3 +159,8 @@ def formatted(value) -> str:
         bits = f"an integer of {value.bit_length()} bits" if isinstance(value, int) else ""
         return bits or f"a {type(value).__name__} with an integer of too many digits"
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def without_numbers(message: str) -> str:
+    """Return a message without its numbers: that of the same kind in another analysis is equal."""
+    return _NUMBER.sub("", message)

@@ -8,7 +8,8 @@ Every increment goes through the same list, each entry only where those before i
 3. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
 4. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
    large clouds; Newton's method; mixed iterations, for stiff contact.
-5. Damped motion, where Newton's method cycles between stick and slip in a whole nominal step.
+5. Damped motion, where Newton's method cycles between stick and slip and the increment ends a nominal
+   step.
 6. Half of the increment, until it is the smallest one.
 7. Another equilibrium, beyond a limit point (``limit_points.beyond``).
 
@@ -220,7 +221,8 @@ class _Path:
         return found, guess
 
     def _damped(self, increment: Increment, failed: Solution, guess) -> Solution:
-        """Solve a nominal step under friction by damped motion; ``failed`` where that finds none nearby.
+        """Solve an increment that ends a nominal step under friction by damped motion; return ``failed``
+        where that finds no equilibrium nearby.
 
         Iterations that cycle between stick and slip do so in shorter increments, too.
         """

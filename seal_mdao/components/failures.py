@@ -1,15 +1,13 @@
 """Translate failures of designs to OpenMDAO's ``AnalysisError``, which drivers can handle, and faults of
 completed analyses to warnings."""
 
-import re
 from collections.abc import Iterable
 from contextlib import contextmanager
 
 import openmdao.api as om
 
 from seal_mdao.errors import GeometryError, LoadPathError
-
-NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+from seal_mdao.values import without_numbers
 
 
 class UntrustworthyResultWarning(om.OpenMDAOWarning):
@@ -35,7 +33,7 @@ def warn_of_faults(where: str, faults: Iterable[str], reported: set[str]) -> Non
         Faults reported before, without their numbers; new ones are added.
     """
     for text in faults:
-        kind = NUMBER.sub("", text)
+        kind = without_numbers(text)
         if kind not in reported:
             reported.add(kind)
             message = f"the result is not trustworthy: {text}"

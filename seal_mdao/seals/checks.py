@@ -232,7 +232,7 @@ def _local(samples: EvaluationPoints):
 def _crossing(samples: EvaluationPoints):
     """Report boundaries that cross: where there is no contact between them, or deeper than the
     penetration of its penalty."""
-    segments, pairs = _crossed(samples)
+    segments, pairs, sides, touching = _crossed(samples)
     if len(pairs):
         # deepest overlap
         x = samples.places
@@ -242,7 +242,7 @@ def _crossing(samples: EvaluationPoints):
         yield Finding(
             f"the boundary crosses itself near {_at(place)} by {depth[worst]:.2g} mm, "
             f"{100.0 * depth[worst] / samples.wall:.2g} % of the wall thickness: "
-            + _crossing_cure(samples, pairs, worst),
+            + _crossing_cure(samples, sides, touching, worst),
             bool(depth[worst] > DEEP * samples.wall),
             meaningless=bool(depth[worst] > CROSSED * samples.wall),
         )
@@ -255,29 +255,32 @@ def crosses_itself(path: PathResult) -> bool:
 
 
 def _crossed(samples: EvaluationPoints) -> tuple:
-    """Find the parts of sides (s, 2) of all boundaries, and the pairs (c, 2) of them that cross deeper
-    than a contact between them permits."""
+    """Find the parts of sides (s, 2) of all boundaries, the pairs (c, 2) of them that cross deeper than
+    a contact between them permits, the outer sides of these pairs (c, 2), and whether there is contact
+    between them (c,)."""
     # sides of all boundaries as pairs of samples
     chains = samples.chains
     segments = np.stack([chains[:, :-1], chains[:, 1:]], axis=2).reshape(-1, 2)
     pairs, depth = crossings(samples.places, segments)
     # sides in contact may overlap by the penetration of the penalty
-    allowed, _ = _allowed_depth(samples, pairs // (chains.shape[1] - 1))
+    sides = pairs // (chains.shape[1] - 1)
+    allowed, touching = _allowed_depth(samples, sides)
     # negated: NaN is no depth either
     deeper = ~(depth <= allowed)
-    return segments, pairs[deeper]
+    return segments, pairs[deeper], sides[deeper], touching[deeper]
 
 
-def _crossing_cure(samples: EvaluationPoints, pairs: np.ndarray, worst: int) -> str:
+def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> str:
     """Name the edges that cross at the deepest overlap, and say what to do: contact between all edges
     that cross without it, or a stiffer contact where there is one."""
-    sides = pairs // (samples.chains.shape[1] - 1)
-    _, touching = _allowed_depth(samples, sides)
     # names of the edges of both sides, at the deepest overlap and wherever there is no contact
-    own = _edges_of(samples, sides[worst])
-    which = f"the edges {own[0]!r} and {own[1]!r}" if len(own) > 1 else "its parts there"
-    if len(own) == 1:
-        which = f"parts of the edge {own[0]!r}"
+    match _edges_of(samples, sides[worst]):
+        case []:
+            which = "its parts there"
+        case [edge]:
+            which = f"parts of the edge {edge!r}"
+        case [edge, other]:
+            which = f"the edges {edge!r} and {other!r}"
     if touching[worst]:
         return (
             f"the self-contact between {which} does not prevent it; use a larger penalty of "

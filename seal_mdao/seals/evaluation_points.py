@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -17,6 +18,9 @@ SHARES = (0.25, 0.5, 0.75)
 
 KEEPS_VOLUME = 10.0
 """Bulk modulus over the shear modulus above which a material is nearly incompressible."""
+
+_BETWEEN = WeakKeyDictionary()
+"""Shape tables of the points between particles by discretisation, which several paths share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +43,12 @@ class EvaluationPoints:
     def _between(self):
         """Points of the outer sides, middles of inner sides, and of the cells, as a shape table."""
         disc = self.path.discretization
+        if disc not in _BETWEEN:
+            _BETWEEN[disc] = disc.sloped_table(self._between_particles())
+        return _BETWEEN[disc]
+
+    def _between_particles(self) -> PointSet:
+        disc = self.path.discretization
         (outer, inner), cells = self.sides, disc.body.cells
         share = np.tile(SHARES, len(outer))
         ends = np.repeat(outer, len(SHARES), axis=0)
@@ -48,7 +58,7 @@ class EvaluationPoints:
         halves = 0.5 * np.column_stack([1.0 - share, share])
         weights = np.full(anchors.shape, 0.25)
         weights[: len(share)] = np.column_stack([halves, halves])
-        return disc.sloped_table(PointSet(anchors, weights, 1))
+        return PointSet(anchors, weights, 1)
 
     @cached_property
     def chains(self) -> np.ndarray:

@@ -22,6 +22,7 @@ from seal_mdao.seals.profiles import (
 from seal_mdao.seals.result import SealResult
 from seal_mdao.studio.adjustable import Adjustable, moving_labels
 from seal_mdao.studio.preview import PathRates, field_rates, pressure_rates
+from seal_mdao.tolerances.first_order import FirstOrder
 from seal_mdao.tolerances.tolerance_set import Tolerances
 
 MARGIN = 0.16
@@ -223,7 +224,6 @@ def rates(fine: FineGrid, found: PathRates, step: int, count: int) -> dict:
     result = fine.result
     path, done = result.path, len(result.path.nominal_steps)
     x, stress = field_rates(result, found, fine, step)
-    at = [path.steps.index(own) for own in path.nominal_steps]
     fraction = path.nominal_steps[step].fraction
     by_label = dict(zip(moving_labels(result.seal), motions(result.seal), strict=False))
     abscissas = []
@@ -248,9 +248,7 @@ def rates(fine: FineGrid, found: PathRates, step: int, count: int) -> dict:
             packed(pressure_rates(result, found, own, step)) for own in contacts(result.seal)
         ],
         "force": [
-            packed([found.forces[label][k] for k in at]) if label in found.forces
-            and not _bonded(result.seal, label) else None
-            for label in moving_labels(result.seal)
+            None if own is None else packed(own) for own in _force_rates(result, found)
         ],
         "along": [packed(own) for own in abscissas],
         "measures": {name: packed(own) for name, own in found.measures.items()},
@@ -271,25 +269,36 @@ def scatter(result: SealResult, found: PathRates, tolerances: Tolerances, names)
     list of (list of [float, float]) or None
         N/m or N, for every moving part; None where its force is not that of contact alone.
     """
-    seal, path = result.seal, result.path
-    at = [path.steps.index(own) for own in path.nominal_steps]
+    seal = result.seal
     nominal = {name: seal.scalars[name].value for name in names}
     # dF/dn = dF/dp dp/dn of the numbers that vary
     by_number = tolerances.middle(seal).rates(0, nominal)[1]
-    covariance, offsets = tolerances.offsets_covariance(seal), seal.n_offsets
+    covariance = tolerances.offsets_covariance(seal)
     bands = []
-    for label in moving_labels(seal):
-        if label not in found.forces or _bonded(seal, label):
+    for force in _force_rates(result, found):
+        if force is None:
             bands.append(None)
             continue
-        force = np.array([found.forces[label][k] for k in at])
-        own = (force[..., offsets:] @ by_number * tolerances.deviations) ** 2
-        boundary = np.einsum(
-            "kcp,pq,kcq->kc", force[..., :offsets], covariance, force[..., :offsets]
-        )
-        # s^2 = sum_k (dF/dn_k s_k)^2 + dF/db C dF/db^T
-        bands.append(plain(np.sqrt(own.sum(axis=-1) + boundary)))
+        rows = force.reshape(-1, force.shape[-1])
+        # deviations do not depend on the values
+        line = FirstOrder(
+            np.zeros(len(rows)), rows[:, seal.n_offsets :] @ by_number, rows[:, : seal.n_offsets],
+            tolerances.means, tolerances.deviations, covariance,
+        )  # fmt: skip
+        bands.append(plain(line.std.reshape(-1, 2)))
     return bands
+
+
+def _force_rates(result: SealResult, found: PathRates) -> list:
+    """Rates (load steps, 2, P) of the forces of all curves; None where a force is not that of contact
+    alone."""
+    path = result.path
+    at = [path.steps.index(own) for own in path.nominal_steps]
+    return [
+        np.array([found.forces[label][k] for k in at])
+        if label in found.forces and not _bonded(result.seal, label) else None
+        for label in moving_labels(result.seal)
+    ]  # fmt: skip
 
 
 def _bonded(seal, label: str) -> bool:

@@ -10,8 +10,6 @@ from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 ALONG = 0.2
 """Largest cosine between a velocity and the normal of an edge that it moves along."""
-
-
 SAME = 1e-9
 """Relative difference of equal velocities."""
 
