@@ -14,7 +14,7 @@ from seal_mdao.seals.adjusted_penalties import (
 )
 from seal_mdao.seals.penalty_error import penalty_errors, scale_of, standard_measures
 from seal_mdao.seals.profiles import contacts, moved_edges
-from seal_mdao.seals.result import SealResult
+from seal_mdao.seals.result import UNUSABLE, SealResult
 
 ROUNDS = 10
 """Largest number of times that the steps are divided."""
@@ -64,9 +64,11 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
 
 
 def _does_not_settle(errors: list) -> bool:
-    """Whether the last error is above ``SETTLING`` times all but the one before it."""
+    """Whether the last error makes results unusable and is above ``SETTLING`` times all but the one
+    before it. Smaller errors may rise while the steps are still long."""
     # the first one is infinite
-    return len(errors) > 3 and errors[-1] > SETTLING * min(errors[:-2])
+    settling = len(errors) <= 3 or errors[-1] <= SETTLING * min(errors[:-2])
+    return errors[-1] > UNUSABLE and not settling
 
 
 def _parts(error: float, drift: np.ndarray, tolerance: float) -> np.ndarray:

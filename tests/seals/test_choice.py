@@ -112,6 +112,17 @@ def test_divisions_end_where_they_do_not_help(monkeypatch):
     assert choose(seal, 0.01, coarse=1).step_error <= 0.02
 
 
+def test_errors_that_rise_at_first_do_not_end_the_divisions(monkeypatch):
+    """As those of a lip whose tip begins to slide within a long load step."""
+    errors = iter([7.6e-3, 1.96e-2, 1.25e-2, 5.75e-3, 2.3e-5, 1e-6])
+    monkeypatch.setattr(
+        "seal_mdao.seals.refined_steps.difference", lambda *given, **options: next(errors)
+    )
+    choice = choose(sm.door_seal(n_steps=1, depth=0.6), TOLERANCE, coarse=1)
+    assert choice.step_error <= TOLERANCE
+    assert choice.seal.step_error == 0.0
+
+
 def test_a_seal_that_stands_free_at_the_end_is_compared_with_its_path():
     """Closed and opened again: force, energy and contact are zero but for rounding at the end."""
     energy = StrainEnergy()
