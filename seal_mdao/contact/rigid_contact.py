@@ -324,7 +324,8 @@ class ContactTerm(PointTerm):
             raise GeometryError(
                 f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
                 f"profile {self.label!r}; move the profile away by at least this distance (start of "
-                f"the door seal; start, {self.label}_x or {self.label}_y of a seal file)"
+                f"the door seal; of a seal file its start, or the parameters {self.label}_x and "
+                f"{self.label}_y)"
             )
 
     def changes(self, step, response, target):
