@@ -108,11 +108,11 @@ FLAG_SHARE = 0.2
 def drawn_cases(count: int = DRAWN, seed: int = DRAWN_SEED) -> list[Case]:
     """Cases drawn at random, one after the other.
 
-    Friction is drawn uniformly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both to two decimals.
-    The number of parameters is 26, 16 or 10, and the friction history one of two. The door is exact
-    or, with the same probability, has 8 to 64 segments. In three of four cases the initial design is
-    random within 0.3 mm, with a seed from 1 to 9999. Each of the options ``keep_force`` to
-    ``gap_integral`` is set in one of five cases.
+    The friction coefficient is sampled uniformly from 0.1 to 0.5 and ``corner_x`` from 0 to 4 mm, both
+    rounded to two decimals. The number of parameters is 26, 16 or 10, and both friction histories are
+    equally likely. In half of the cases the door contour is exact, in the other half a polygon of 8 to
+    64 segments. In three of four cases the initial design has random offsets within 0.3 mm, from a seed
+    of 1 to 9999. Each of the options ``keep_force`` to ``gap_integral`` is set in one of five cases.
     """
     rng = np.random.default_rng(seed)
     return [_drawn_case(rng) for _ in range(count)]

@@ -11,46 +11,49 @@ VIOLATION = 1e-3
 
 HEAD = """# Robustness of the optimisation
 
-This page lists optimisations of the door seal by problem (71): the paper's case, each factor changed
-alone, 20 combinations of the factors, and {run} of {drawn} random cases. Each case is solved by every
-optimiser of {{mod}}`seal_mdao.optimization` with the settings of this module. The command
-`python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` runs
-them and writes this page; after an interruption the same command continues.
+This page tests how reliably the optimisers solve the problem of the paper, Eq. (71): minimise the
+squared gaps of the door seal with limits on area and stress. The cases are the problem of the paper,
+variants in which one factor is changed, 20 combinations of these factors, and {run} of {drawn} random
+cases. Each case is solved by every optimiser of {{mod}}`seal_mdao.optimization` with the settings of
+this package. The command
+`python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` solves
+all cases and writes this page; after an interruption the same command continues.
 
-A run has converged if the optimiser reports success, the error of the optimality conditions is at
-most {kkt:g}, and no constraint is violated by more than {violation:g}. The error of the optimality
-conditions (KKT in the tables) is the largest entry of the gradient of the scaled Lagrangian or of the
-complementarity products, computed in the same way for all optimisers by
-{{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These limits, the seed of the random cases
-and their distribution were fixed before the first run, and each case is run once. The cost is given
-relative to that of the nominal seal. It cannot be negative, so the cost of a run is an upper bound of
-the possible further improvement.
+An optimisation has converged if the optimiser reports success, the error of the optimality conditions
+is at most {kkt:g}, and no constraint is violated by more than {violation:g}. The error of the
+optimality conditions (column KKT) is the largest entry of the gradient of the scaled Lagrangian or of
+the complementarity products, computed in the same way for all optimisers by
+{{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These limits and the distribution of the random
+cases were fixed before the first run, and each case is run once. The cost is the objective divided by
+that of the nominal seal. Its lower bound is zero, so the cost of a result is an upper bound of the
+possible further improvement.
 
 """
-LEGEND = """| in a case | meaning |
+LEGEND = """| factor | meaning |
 |---|---|
-| `corner_x` | position where the flat part of the door ends, mm; paper: 2 |
+| `corner_x` | horizontal position of the end of the flat part of the door, mm; paper: 2 |
 | friction | friction coefficient; paper: 0.25 |
-| parameters | number of design parameters; paper: 26; 10 are those of a symmetric section |
-| `friction_history incremental` | the other [friction history](theory/contact.md) |
-| segments | door contour as a polygon of this many segments; paper: exact contour |
-| start | seed of a random initial design, within 0.2 mm unless given; paper: nominal seal |
+| parameters | number of design parameters; paper: 26; with 10 the section is symmetric |
+| `friction_history incremental` | [slip from the last load step only](theory/contact.md#history-rules) |
+| segments | the door contour is a polygon of this many segments; paper: exact contour |
+| start | seed of random initial offsets, within 0.2 mm unless given; paper: nominal seal |
 | `keep_force` | the final vertical reaction must stay within 10 % of that of the nominal seal |
-| `clamp_load` | the same for the reaction at 2, 4, 6, 8 and 10 mm |
-| `pressure_floor` | each contact patch must keep half of the pressure of the nominal seal |
-| `stress_norm` | limit on the p-norm of the stress of all particles instead of seven limits |
+| `clamp_load` | the same limits for the vertical reaction at 2, 4, 6, 8 and 10 mm of travel |
+| `pressure_floor` | each contact region must have at least half the pressure of the nominal seal |
+| `stress_norm` | limit on the p-norm of the stress of all particles instead of seven stresses |
 | `gap_integral` | the objective is the integral of the squared gap instead of the sum over points |
 
 """
 FACTORS_TEXT = """## The paper's case, single changes, combinations
 
-Each cell lists major iterations (not recorded for SLSQP), analyses, cost, and KKT.
+Each cell lists major iterations (not recorded for SLSQP), analyses, cost, and the error of the
+optimality conditions (KKT).
 
 """
 FAILURES_TEXT = """## Failures
 
-`SUCCESS` is the message of SLSQP when the objective no longer changes; the optimality conditions are
-not satisfied there.
+The exit message `SUCCESS` of SLSQP means only that the objective has stopped changing; in the cases
+below the optimality conditions are not satisfied.
 
 """
 GAP_TEXT = """The gap is the largest one between the first and the last contact.
@@ -58,7 +61,7 @@ GAP_TEXT = """The gap is the largest one between the first and the last contact.
 """
 DRAWN_TEXT = """## Random cases
 
-{rule} The seed is {seed}.
+{rule} The seed of this selection is {seed}.
 
 """
 
