@@ -31,7 +31,7 @@ TAU = 1e-6
 """Perturbation of the paper's Table 1, mm."""
 STUDIED = (2, 3, 17)
 KNOT_PARAMETER, KNOT_STEPS = 17, (1e-3, 1e-4, 1e-5)
-STUDY_STEPS = np.array([1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6])
+STUDY_STEPS = np.array([3e-3, 1e-3, 1e-4, 1e-5, 3e-6, 1e-6])
 SCALARS = {
     "friction": 1e-4, "c10": 1e-3, "c01": 1e-3, "bulk_modulus": 20.0, "depth": 1e-4,
     "normal_penalty": 5.0, "tangent_penalty": 1e-2,
@@ -45,7 +45,7 @@ def make(out: Path, reduced: bool) -> dict:
     nominal = case()
     parameters = NOMINAL_PARAMETERS
     estimates = {p: _known(p) for p in parameters}
-    steps = STUDY_STEPS[2::4] if reduced else STUDY_STEPS
+    steps = STUDY_STEPS[2::3] if reduced else STUDY_STEPS
     study = _study(nominal, STUDIED[:1] if reduced else STUDIED, steps)
     save(step_study(steps, study), out / "step_study.png")
     save(error_map(nominal, estimates), out / "sensitivity_errors.png")
