@@ -7,6 +7,10 @@ In this order, and each only where the one before found none:
 2. Without friction: descent of the potential at the same loading (``stability.leave``).
 3. Damped motion at the end of the nominal step; under friction descent where that is slow; damped motion
    with all its iterations. A saddle at which it may end is left by descent again.
+4. If an equilibrium found there stores more energy than the loading supplies: the same at the end of the
+   smallest increment.
+
+Equilibria that store more energy than the loading supplies are not accepted (``jumps.without_gain``).
 """
 
 from dataclasses import replace
@@ -15,7 +19,7 @@ import numpy as np
 
 from seal_mdao.analysis.descent import descend
 from seal_mdao.analysis.increment import Increment, Solution
-from seal_mdao.analysis.jumps import jumped, released_energy
+from seal_mdao.analysis.jumps import jump_of, released_energy, without_gain
 from seal_mdao.analysis.newton import newton
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.analysis.predictor import closest, predict
@@ -53,9 +57,14 @@ def beyond(increment: Increment, failed: Solution, guess: np.ndarray, end: float
     if follows_stable(increment):
         unstable = failed if failed.status is Status.UNSTABLE else None
         found, point = leave(increment, guess, unstable)
-        if found.converged:
+        if without_gain(increment, found).converged:
             return found, point, increment.target
-    return *_at_the_end(replace(increment, target=end)), end
+    found, point = _at_the_end(replace(increment, target=end))
+    if found.status is Status.GAINED and increment.target < end:
+        nearer, its_point = _at_the_end(increment)
+        if nearer.converged:
+            return nearer.after(found.residuals), its_point, increment.target
+    return found, point, end
 
 
 def shortened(increment: Increment, iterations: int) -> Increment:
@@ -69,14 +78,14 @@ def _after_jump(increment: Increment, d, guess):
     mode = critical_mode(
         increment.problem, increment.factor, guess - increment.last.d, negative=False
     )
-    found = relax(shortened(increment, SOON), guess)
+    found = without_gain(increment, relax(shortened(increment, SOON), guess))
     if not found.converged:
         found = newton(increment, d)
     return found, _point(increment, found, mode)
 
 
 def _at_the_end(increment: Increment):
-    """Find equilibrium at the end of the nominal step by damped motion, from the Euler predictor."""
+    """Find equilibrium at the end of an increment by damped motion, from the Euler predictor."""
     euler = predict(increment)
     mode = critical_mode(
         increment.problem, increment.factor, euler[0] - increment.last.d, negative=False
@@ -86,7 +95,9 @@ def _at_the_end(increment: Increment):
     # iterations that cycle between stick and slip fail without a limit point: the path continues
     # where the predictor says, and no energy is released
     symmetric = increment.problem.symmetric
-    lost = found.converged and (symmetric or jumped(increment, found.assembly, guess))
+    lost = found.converged and (
+        symmetric or jump_of(increment, found.assembly, guess) is Status.JUMPED
+    )
     point = _point(increment, found, mode) if lost else None
     # damped motion may end on an unstable equilibrium, a saddle: leave that along its mode
     if found.converged and follows_stable(increment) and not found.factor.positive:
@@ -100,18 +111,18 @@ def _point(increment: Increment, found: Solution, mode):
     if not found.converged:
         return None
     last = increment.last
-    released = released_energy(increment.problem, found.assembly, last, increment.target)[0]
+    released = released_energy(increment.problem, found.assembly, last, increment.target).least
     return limit_point(last, found.d, mode, released)
 
 
 def _damped_equilibrium(increment: Increment, guess) -> Solution:
     """Find equilibrium by damped motion; under friction by descent where that is slow or moves off."""
     few = shortened(increment, SOON)
-    found = relax(few, guess)
+    found = without_gain(increment, relax(few, guess))
     slow = found.status is Status.NOT_CONVERGED and few.options != increment.options
     if not increment.problem.symmetric and (slow or found.status is Status.MOVED_OFF):
         # descent from the same prediction; where it fails, damped motion with all its iterations
-        descended = descend(shortened(increment, DESCENT), guess)
-        if descended.converged:
+        descended = without_gain(increment, descend(shortened(increment, DESCENT), guess))
+        if descended.status in (Status.CONVERGED, Status.GAINED):
             return descended
-    return relax(increment, guess) if slow else found
+    return without_gain(increment, relax(increment, guess)) if slow else found

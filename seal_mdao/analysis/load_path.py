@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.analysis.increment import Increment, Solution
-from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jumped
+from seal_mdao.analysis.jumps import FAR_AWAY, extent, is_far, jump_of, without_gain
 from seal_mdao.analysis.limit_points import beyond, shortened
 from seal_mdao.analysis.linear_contact import predicted
 from seal_mdao.analysis.mixed_newton import mixed_newton
@@ -51,7 +51,7 @@ NEAR_THE_END = 5
 def corrected(increment: Increment, guess: np.ndarray, reuse: Reuse) -> Solution:
     """Correct the predictor ``guess`` (n, 2) to equilibrium on the branch of the path.
 
-    UNSTABLE or JUMPED in place of CONVERGED where the path should not go there.
+    UNSTABLE, JUMPED or GAINED in place of CONVERGED where the path should not go there.
     """
     found, tried = None, ()
     # old factors, where a factorisation is dear
@@ -74,10 +74,11 @@ def corrected(increment: Increment, guess: np.ndarray, reuse: Reuse) -> Solution
 
 
 def _judged(increment: Increment, found: Solution, guess) -> Solution:
-    """Replace CONVERGED by UNSTABLE or JUMPED where the path should not go."""
+    """Replace CONVERGED by UNSTABLE, JUMPED or GAINED where the path should not go."""
     if found.converged and increment.options.branch == "stable":
-        if jumped(increment, found.assembly, guess):
-            return found._replace(status=Status.JUMPED)
+        jump = jump_of(increment, found.assembly, guess)
+        if jump is not None:
+            return found._replace(status=jump)
         if increment.problem.symmetric and not found.factor.positive:
             return found._replace(status=Status.UNSTABLE)
     return found
@@ -267,6 +268,7 @@ class _Path:
                 found = found._replace(status=Status.NOT_CONVERGED)
         if not found.converged:
             found = relax(shortened(increment, NEAR), parts.d).after(found.residuals)
+        found = without_gain(increment, found)
         if not found.converged or np.abs(found.d - parts.d).max() > near:
             return
         del self.steps[begin:]

@@ -21,6 +21,7 @@ class Status(Enum):
     MOVED_OFF = "the body moves away without reaching equilibrium"
     UNSTABLE = "equilibrium is not stable"
     JUMPED = "the body moved much farther than predicted"
+    GAINED = "the equilibrium stores more energy than the loading supplies"
 
 
 @dataclass(frozen=True, eq=False)

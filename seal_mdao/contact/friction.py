@@ -169,6 +169,28 @@ class ContactLaw(NamedTuple):
             limit, factor = pressure, self.friction
         return factor * float(np.sum(limit * np.abs(slip[at]) * fraction * length[at]))
 
+    def least_friction_work(self, before: "ContactHistory", after: "ContactHistory", length):
+        """Compute a lower bound of the friction work in an increment: the change of the energy of the
+        elastic slip, since slip dissipates.
+
+        Parameters
+        ----------
+        before, after : ContactHistory
+            Before and after the increment.
+        length : ndarray, shape (k,)
+
+        Returns
+        -------
+        float
+            mJ/m
+        """
+        # E = sum w_t/2 s^2 l over points in contact, Eq. (20)
+        stored = [
+            length[own.in_contact] @ own.variables[own.in_contact, 2] ** 2
+            for own in (before, after)
+        ]
+        return 0.5 * self.tangent_penalty * float(stored[1] - stored[0])
+
 
 class ContactHistory(NamedTuple):
     """History variables of contact points that pass from one converged step to the next.
@@ -183,6 +205,11 @@ class ContactHistory(NamedTuple):
 
     state: np.ndarray
     variables: np.ndarray
+
+    @property
+    def in_contact(self) -> np.ndarray:
+        """Mask (n,) of the points that stick or slip."""
+        return (self.state == STICK) | (self.state == SLIP)
 
 
 def no_history(n_points: int) -> ContactHistory:

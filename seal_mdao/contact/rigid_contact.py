@@ -36,7 +36,7 @@ from seal_mdao.geometry.shape import Shape
 from seal_mdao.terms.linearization import CarriedDirections, directions_of
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
-from seal_mdao.terms.term import Scalar, TermDefinition
+from seal_mdao.terms.term import ReleasedEnergy, Scalar, TermDefinition
 
 SLACK = 0.01
 """Fraction of its length by which a mean over edges may start inside a profile that touches the body."""
@@ -352,8 +352,12 @@ class ContactTerm(PointTerm):
             now, then = response.history.variables[i], before.history.variables[i]
             # |t0| (xi - xi0)   Eq. (19)
             slip[i] = then[1] * coordinate_change(self.curve, now[0], then[0])
-        lost = self.law.most_friction_work(slip, gaps, self.length)
-        return min(works) - change - lost, max(map(abs, works))
+        most_lost = self.law.most_friction_work(slip, gaps, self.length)
+        least_lost = self.law.least_friction_work(before.history, response.history, self.length)
+        return ReleasedEnergy(
+            min(works) - change - most_lost, max(works) - change - least_lost,
+            max(map(abs, works)),
+        )  # fmt: skip
 
     def _loading_work(self, response, at, fraction, target) -> float:
         """Work of the forces of ``response``, with the profile at ``at``, on its motion, mJ/m."""

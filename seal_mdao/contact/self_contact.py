@@ -36,7 +36,7 @@ from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.errors import GeometryError
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints, boundary_particles
-from seal_mdao.terms.term import TermDefinition
+from seal_mdao.terms.term import ReleasedEnergy, TermDefinition
 
 SHARED = 0.5
 """Fraction of the penalties of each of the two passes."""
@@ -213,11 +213,12 @@ class SelfContactTerm(CoupledTerm):
             now.variables[:, 0], then.variables[:, 0]
         )
         known = (now.state != UNKNOWN) & (then.state != UNKNOWN)
-        # bound of the friction work over the increment
-        lost = self.law.most_friction_work(
+        # bounds of the friction work over the increment
+        most_lost = self.law.most_friction_work(
             np.where(known & np.isfinite(slip), slip, 0.0), gaps, self.length
         )
-        return -change - lost, 0.0
+        least_lost = self.law.least_friction_work(then, now, self.length)
+        return ReleasedEnergy(-change - most_lost, -change - least_lost, 0.0)
 
     def gaps(self, x):
         """Return the points (m,) with a segment opposite at positions ``x``, and their gaps, mm."""

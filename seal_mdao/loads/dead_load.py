@@ -7,7 +7,7 @@ import numpy as np
 from seal_mdao.terms.point_term import PointResponse, PointTerm
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.ramp import at_ends, at_fraction
-from seal_mdao.terms.term import Scalar, TermDefinition
+from seal_mdao.terms.term import ReleasedEnergy, Scalar, TermDefinition
 
 COMPONENTS = ("x", "y")
 _NO_TANGENT = np.empty(0)
@@ -85,11 +85,11 @@ class DeadLoadTerm(PointTerm):
 
     def released_energy(self, step, before, d, response, target):
         # Pi changes by sum_i (R_i - R_i^0) . u_i while the load grows at fixed u: with u before and
-        # after the step; released is the smaller one minus the change of Pi
+        # after the step; released is the smaller or the larger one minus the change of Pi
         grown = response.force - before.force
         works = [float(np.sum(grown * (own.x - self.reference))) for own in (before, response)]
         change = self.potential(d, response) - self.potential(step.d, before)
-        return min(works) - change, max(map(abs, works))
+        return ReleasedEnergy(min(works) - change, max(works) - change, max(map(abs, works)))
 
     def _force(self, fraction) -> np.ndarray:
         # R_i = -lambda(s) L_i q_i

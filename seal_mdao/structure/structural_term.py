@@ -27,7 +27,7 @@ from seal_mdao.structure.linearized_softening import LinearizedSoftening
 from seal_mdao.structure.region import Region
 from seal_mdao.structure.relaxation import Relaxation
 from seal_mdao.structure.softening import Softening
-from seal_mdao.terms.term import Term
+from seal_mdao.terms.term import ReleasedEnergy, Term
 
 _NO_BRANCH = np.empty(0, int)
 _NOTHING = np.empty((0, 0, 0))
@@ -461,7 +461,7 @@ class StructuralTerm(Term):
         equations = self.discretization.layout.scatter[0].equations
         changes = self.changes(step, before, target)
         work = sum(abs(float((change[equations] * driving).sum())) for change in changes)
-        return released - work, work
+        return ReleasedEnergy(released - work, released + work, work)
 
     def energy(self, d: np.ndarray, fraction: float, response=None) -> float:
         """Strain energy per unit depth, mJ/m; of a body with a history the potential of the step of

@@ -32,6 +32,24 @@ class Scalar(NamedTuple):
     text: str
 
 
+class ReleasedEnergy(NamedTuple):
+    """Bounds of the energy that is released in an increment: work of the loading, minus the change of
+    the stored energy, minus the work of friction.
+
+    Attributes
+    ----------
+    least, most : float
+        Bounds, mJ/m; infinite where nothing is known. ``most`` is negative where more energy is stored
+        than the loading supplies.
+    work : float
+        Largest amount of the work of the loading, mJ/m.
+    """
+
+    least: float
+    most: float
+    work: float
+
+
 class Response(Protocol):
     """Response of a term at one state of the body.
 
@@ -215,8 +233,14 @@ class Term:
         mJ/m."""
         raise NotImplementedError
 
-    def released_energy(self, step, before: Response, d, response: Response, target: float):
-        """Compute a lower bound of the energy that the term releases in an increment.
+    def released_energy(
+        self, step, before: Response, d, response: Response, target: float
+    ) -> ReleasedEnergy:
+        """Compute bounds of the energy that the term releases in an increment.
+
+        They are the smallest and the largest value that the forces at both ends of the increment allow:
+        by default from the potential, or from the forces where there is none or its loading grows;
+        infinite where neither is known.
 
         Parameters
         ----------
@@ -224,21 +248,14 @@ class Term:
             Where the increment began, with the term's response ``before``.
         d : ndarray, shape (n, 2)
             Equilibrium at ``target``, with ``response``.
-
-        Returns
-        -------
-        released : float
-            Work of its loading, minus the change of its stored energy, minus what it dissipates; the
-            smallest value that the forces at both ends of the increment allow, mJ/m. By default from
-            the potential, or from the forces where there is none or its loading grows; minus infinity
-            where neither is known.
-        work : float
-            Largest amount of that work, mJ/m.
         """
         # fixed loading and a potential: E_0 - E
         if self.conservative and not self.changes(step, before, target):
-            return self.potential(step.d, before) - self.potential(d, response), 0.0
-        return work_of_forces(before, response) if hasattr(response, "x") else (-math.inf, 0.0)
+            released = self.potential(step.d, before) - self.potential(d, response)
+            return ReleasedEnergy(released, released, 0.0)
+        if hasattr(response, "x"):
+            return work_of_forces(before, response)
+        return ReleasedEnergy(-math.inf, math.inf, 0.0)
 
     def describe(self, response: Response, fraction: float) -> str:
         """Describe a state in a few words, for messages."""
@@ -293,12 +310,12 @@ class Term:
         )
 
 
-def work_of_forces(before, response) -> tuple[float, float]:
-    """Compute a lower bound of the work of forces at points on the body, and its uncertainty, mJ/m.
+def work_of_forces(before, response) -> ReleasedEnergy:
+    """Compute bounds of the work of forces at points on the body; their difference is its ``work``.
 
     With the forces before and after the increment, where nothing is known of what lies between.
     """
     # W = -f . du with the forces of the beginning and of the end
     moved = response.x - before.x
     works = [-float(np.sum(forces * moved)) for forces in (before.force, response.force)]
-    return min(works), abs(works[1] - works[0])
+    return ReleasedEnergy(min(works), max(works), abs(works[1] - works[0]))

@@ -276,7 +276,7 @@ def energy_taken(result):
     own, steps, taken = path.responses(term.label), [path.start, *path.steps], 0.0
     before = [path.start.responses[path.index_of(term.label)], *own]
     for last, then, step, now in zip(steps, before, steps[1:], own, strict=False):
-        taken -= term.released_energy(last, then, step.d, now, step.fraction)[0]
+        taken -= term.released_energy(last, then, step.d, now, step.fraction).least
     return taken, term.potential(path.steps[-1].d, own[-1])
 
 
