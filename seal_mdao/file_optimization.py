@@ -117,7 +117,7 @@ def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple
     if empty:
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {empty[0]!r} has no value, because the nominal "
-            "seal has no gap between points in contact at the end of the path; choose another "
+            "seal has no gap between points in contact at the end of the analysis; choose another "
             "measure"
         )
     start = {measure.name: nominal.value(measure) for measure in measures}
@@ -129,13 +129,13 @@ def require_problem(file: SealFile, seal: Seal) -> None:
     """Raise SealFileError for a file without ``[optimize]`` or ``[[design]]``."""
     if file.optimize is None:
         raise SealFileError(
-            f"{file.path}: [optimize] is missing: name the measure to minimise, such as minimize = "
+            f"{file.path}: [optimize] is missing; name the measure to minimise, such as minimize = "
             '"section_area"'
         )
     if not seal.n_offsets:
         raise SealFileError(
-            f"{file.path}: [[design]] is missing: name the edges that may change, such as edges = "
-            '["top"]'
+            f"{file.path}: [[design]] is missing; name the edges of the section that may change, "
+            'such as edges = ["top"]'
         )
     for name in measure_names(file):
         if name in BESIDE:
@@ -151,8 +151,8 @@ def _require_gap(file, measures, start) -> None:
     if isinstance(aim, BetweenContacts) and not start[aim.name].any():
         raise SealFileError(
             f"{file.path}: [optimize]: the measure {aim.name!r} is already zero, because the "
-            "nominal seal has no gap between points in contact at the end of the path; minimise "
-            "another measure"
+            "nominal seal has no gap between points in contact at the end of the analysis; "
+            "minimise another measure"
         )
 
 

@@ -129,7 +129,9 @@ def _check(seal, force, measured, names) -> None:
     """Refuse readings and names with which there is nothing to find."""
     n, scalars = force.size(seal), seal.scalars
     if measured.shape != (n,) or not np.isfinite(measured).all() or not measured.any():
-        raise ValueError(f"measured must be {n} finite numbers, one per reading, and not all zero")
+        raise ValueError(
+            f"the measured forces must be {n} finite numbers, one per reading, and not all zero"
+        )
     unknown = [name for name in names if name not in scalars]
     if unknown:
         raise ValueError(
@@ -137,7 +139,7 @@ def _check(seal, force, measured, names) -> None:
         )
     if len(set(names)) < len(names) or not names:
         raise ValueError(
-            "name at least one parameter to identify, and none twice; got "
+            "the parameters to identify must be at least one name, and none twice; got "
             f"{', '.join(names) or 'none'}"
         )
     zero = [name for name in names if scalars[name].value == 0.0]

@@ -84,7 +84,11 @@ def filled_lines(path, failure: type[Exception]) -> list[tuple[str, str]]:
 
 
 def _too_large(path) -> OSError:
-    return OSError(errno.EFBIG, f"the file is larger than {LARGEST_FILE // 2**20} MiB", str(path))
+    return OSError(
+        errno.EFBIG,
+        f"the input file is larger than the limit of {LARGEST_FILE // 2**20} MiB",
+        str(path),
+    )
 
 
 def reason_of(error: BaseException) -> str:

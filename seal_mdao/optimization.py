@@ -271,8 +271,9 @@ def continue_run(problem: om.Problem, cases: Path) -> None:
     mine = json.loads(problem.model.options[PROBLEM_OPTION])
     if recorded_settings(open_model(cases)) != mine:
         raise ValueError(
-            f"{cases} was recorded with another problem (seal file, options, scenarios or goal); "
-            "restart it with the settings of the recorded run, or begin a new run in another folder"
+            f"{cases} was recorded in the optimisation of another problem (seal file, options, "
+            "scenarios or goal); restart with the settings of the recorded optimisation, or begin "
+            "a new one in another folder"
         )
     restart(problem, cases)
 

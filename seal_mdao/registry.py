@@ -72,7 +72,7 @@ def register(kind: str, name: str, value=None):
     if kind not in CONTRACTS:
         raise ValueError(f"kind must be one of {', '.join(CONTRACTS)}, got {kind!r}")
     if not isinstance(name, str) or not name.isidentifier():
-        raise ValueError(f"the name of an extension must be an identifier, got {name!r}")
+        raise ValueError(f"the name of an extension must be a Python identifier, got {name!r}")
     new = Extension(f"register() in the module {value.__module__!r}", lambda: value)
     # the same definition may be registered again, as when a module is reloaded
     old = _registered.get((kind, name), new)

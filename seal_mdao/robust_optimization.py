@@ -98,8 +98,9 @@ def nominal_numbers(variations: tuple, seal: Seal) -> np.ndarray:
         nominal = {float(seal.scalars[name].value) for name in variation.parameters}
         if variation.kind not in neutral and len(nominal) > 1:
             raise ValueError(
-                f"{variation.name} sets {', '.join(variation.parameters)} to one common value "
-                '(kind "value"), but their nominal values differ; use kind "factor" or "shift"'
+                f"the manufacturing tolerance {variation.name} sets "
+                f'{", ".join(variation.parameters)} to one common value (kind "value"), but '
+                'their nominal values differ; use kind "factor" or "shift"'
             )
         found.append(neutral.get(variation.kind, min(nominal)))
     return np.array(found)

@@ -63,7 +63,8 @@ class Cloud:
         if not known:
             reasons = "; ".join(dict.fromkeys(own.unknown for own in found.values() if own.unknown))
             raise ValueError(
-                f"no discretisation error can be estimated: {reasons or 'all measures are zero'}"
+                "the discretisation error of the results cannot be estimated: "
+                f"{reasons or 'all measures are zero'}"
             )
         return max(known.items(), key=lambda item: item[1])
 
@@ -106,8 +107,8 @@ def refine(
     tolerance = values.real("tolerance", tolerance, above=0.0, high=0.5)
     if not isinstance(file.section.spacing, float):
         raise ValueError(
-            "only a section with a spacing can be refined, but [section] has rays or a cloud; give "
-            "it spacing instead"
+            "a particle spacing can be chosen only for a section with the key spacing, but "
+            "[section] of the seal file has rays or cloud; replace this key by spacing"
         )
     known = [measure.name for measure in file.measures]
     names = known if names is None else list(names)
@@ -115,7 +116,8 @@ def refine(
     if unknown or not names:
         raise ValueError(
             f"unknown measure {unknown[0]!r}; known are {', '.join(known)}" if unknown
-            else "the file has no measure whose error could be estimated; add a [[measure]]"
+            else "the seal file has no measure whose numerical error could be estimated; add a "
+            "[[measure]]"
         )  # fmt: skip
     file = _with_tolerances(file, tolerance)
     for _ in range(ROUNDS):
@@ -130,9 +132,9 @@ def refine(
         # error = C h^2: h times sqrt(tolerance / error), with a margin
         file = with_factor(file, max(SMALLEST, MARGIN * math.sqrt(tolerance / error)))
     raise ValueError(
-        f"the estimated error of {name} is still {100.0 * error:.2g} % with a spacing of "
-        f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; allow a larger "
-        "error (--to of the command), or name fewer measures"
+        f"the estimated numerical error of {name} is still {100.0 * error:.2g} % with a particle "
+        f"spacing of {cloud.file.section.spacing:g} mm and {len(result.particles)} particles; "
+        "allow a larger error (--to of the command), or name fewer measures"
     )
 
 

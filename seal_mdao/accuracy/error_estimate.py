@@ -116,8 +116,8 @@ def estimate_errors(
     result.require_converged()
     if np.any(result.boundary_offsets):
         raise ValueError(
-            "errors can be estimated for the nominal section only, but this result has boundary "
-            "offsets; export the design as a seal file and analyse that"
+            "numerical errors can be estimated for the nominal section only, but this result has "
+            "boundary offsets; export the design as a seal file and analyse that file"
         )
     paths = ComparedPaths(file, result, callback)
     found = {}
@@ -166,7 +166,10 @@ class ComparedPaths:
             fine_seal = replace(fine_seal, body=replace(fine_seal.body, nominal=None))
             fine = discretize(fine_seal.body, fine_seal.nominal_particles, fine_seal.terms())
         except (GeometryError, ValueError) as error:
-            self.failure = f"no particles can be placed with half of the spacing: {error}"
+            self.failure = (
+                "the error due to the particle spacing cannot be estimated, because the section "
+                f"cannot be filled with particles at half of the spacing: {error}"
+            )
             return
         # ends of the load steps of the seal in those of the unchosen one
         given = np.arange(1.0, seal.n_steps + 1.0)
@@ -253,12 +256,15 @@ def _by_particles(measure: Measure, paths: ComparedPaths) -> np.ndarray | str:
         return str(error)
     if values[0].shape != values[1].shape:
         return (
-            f"{measure.name} is evaluated at a different number of points with half of the spacing"
+            f"the measure {measure.name} is evaluated at a different number of points if the "
+            "particle spacing is halved"
         )
     # m_h - m = (m_h - m_(h/2)) / (1 - 2^-p)
     error = (values[0] - values[1]) / (1.0 - 0.5**ORDER)
     if not np.isfinite(error).all():
-        return f"{measure.name} is not a finite number with half of the spacing"
+        return (
+            f"the measure {measure.name} is not a finite number if the particle spacing is halved"
+        )
     return error
 
 
@@ -267,7 +273,7 @@ def _by_steps(measure: Measure, value, paths: ComparedPaths) -> np.ndarray | str
     if paths.coarse is None:
         return paths.failure
     if paths.coarse.seal.n_steps == paths.result.seal.n_steps:
-        return "the path has too few load steps for a comparison with fewer"
+        return "the analysis has too few load steps for a comparison with fewer load steps"
     # m_N - m = (m_n - m_N) / (N/n - 1)
     ratio = paths.result.seal.n_steps / paths.coarse.seal.n_steps
     return (paths.coarse.value(measure) - value) / (ratio - 1.0)

@@ -57,8 +57,9 @@ def refined_file(file: SealFile, seal: OutlineSeal) -> RefinedFile:
         return RefinedFile(_with_spacing(file, finer), kept, parents)
     if seal.kernels.column != 1:
         raise ValueError(
-            "a stored cloud with pressure continuous through columns of cells cannot be refined; "
-            "use [section] with spacing, or a cloud with one pressure per cell"
+            "the mesh file named by cloud in [section] has a pressure that is continuous across "
+            "the wall, and such a mesh cannot be refined; use spacing instead of cloud, or a mesh "
+            "with one pressure per cell"
         )
     # new particles at the boundary are on the curve, at half of the arc length between two old ones
     boundaries = doubled(section.outline, seal.boundaries)

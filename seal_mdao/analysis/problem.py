@@ -38,7 +38,7 @@ class PathProblem:
             if term.label == label:
                 return term
         raise ValueError(
-            f"there is no term with the label {label!r}; the labels are "
+            f"the analysis has no load or contact (term) with the label {label!r}; the labels are "
             f"{[term.label for term in self.terms]}"
         )
 

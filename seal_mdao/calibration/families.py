@@ -124,8 +124,8 @@ def _ogden(tests, terms, nu, bulk):
 def _hyperfoam(tests, terms, nu, bulk):
     if nu is None and not tests.has_lateral:
         raise ValueError(
-            f"{tests.source}: hyperfoam needs the column lateral_stretch in every mode, or a given "
-            "Poisson's ratio (nu, --nu)"
+            f"{tests.source}: the law hyperfoam can be fitted only to tests with the column "
+            "lateral_stretch in every mode, or with a given Poisson's ratio (nu, --nu)"
         )
     numbers = range(1, terms + 1)
 
@@ -187,8 +187,8 @@ def family(
     most = MAX_TERMS if law in OF_TERMS else 1
     if not 1 <= terms <= most:
         raise ValueError(
-            f"{law} allows 1 to {most} terms, got {terms}; only {' and '.join(OF_TERMS)} can have "
-            "more than one"
+            f"the material law {law} has 1 to {most} terms, got {terms}; only "
+            f"{' and '.join(OF_TERMS)} can have more than one"
         )
     if nu is not None and law != "hyperfoam":
         raise ValueError(

@@ -142,9 +142,9 @@ def fit(
     integer("seed", seed, 0)
     if tests.cyclic:
         raise MaterialDataError(
-            f"{tests.source}: {tests.cycles}; fit it with softening (seal-mdao fit, "
-            "fit_softening), keep only the first loading, or, if the order of the readings has no "
-            "meaning, sort them by stretch"
+            f"{tests.source}: {tests.cycles}; fit a law with Mullins softening to this test "
+            "(seal-mdao fit, fit_softening), keep only the first loading, or, if the order of the "
+            "readings has no meaning, sort them by stretch"
         )
     kind = family(law, tests, **options)
     # Poisson's ratios are fitted to the lateral stretches unless given
@@ -217,8 +217,9 @@ def _no_end(kind: Family, started) -> str:
             "or correct the readings"
         )
     return (
-        f"the fit of {kind.law} failed from all {len(started)} start values, because its stress is "
-        "not finite at the tested stretches; limit the range of stretches or choose another law"
+        f"the fit of {kind.law} failed from all {len(started)} start values, because the stress of "
+        "this law is not finite at the tested stretches; limit the range of stretches or choose "
+        "another law"
     )
 
 

@@ -154,5 +154,6 @@ def require_stable(stability: dict, where: str = "the law") -> None:
     unstable = [found.text for found in stability.values() if not found.stable]
     if unstable:
         raise UnstableMaterialError(
-            f"{where} is not stable: {'; '.join(unstable)}; use other constants or another law"
+            f"{where} describes a material that is not stable: {'; '.join(unstable)}; use other "
+            "constants or another law"
         )

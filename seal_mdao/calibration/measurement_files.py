@@ -40,13 +40,15 @@ def read_rows(
     filled = filled_lines(path, MaterialDataError)
     if not filled:
         head = ",".join(own if isinstance(own, str) else own[0] for own in required)
-        raise MaterialDataError(f"{path}: the file is empty; it needs the line {head}")
+        raise MaterialDataError(
+            f"{path}: the file is empty; its first line must name the columns, {head}"
+        )
     columns = _header(*filled[0], required, optional)
     rows = [(where, _row(where, line, columns, words)) for where, line in filled[1:]]
     if not rows:
         raise MaterialDataError(
-            f"{path}: the file has column names but no readings below them; add at least one line "
-            "of numbers"
+            f"{path}: the file has column names but no readings; add at least one line of numbers "
+            "below the column names"
         )
     return rows
 

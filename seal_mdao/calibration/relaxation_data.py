@@ -117,16 +117,16 @@ def relaxation_tests(curves, ramp: float = 0.0, source: str = "data") -> Relaxat
     curves, rows = list(curves), []
     if len({tuple(own[2:3]) in ((), (None,)) for own in curves}) > 1:
         raise MaterialDataError(
-            f"{source}: some curves have a temperature, others do not; give all of them a "
-            "temperature, or none"
+            f"{source}: some relaxation curves have a temperature, others do not; give a "
+            "temperature for all curves, or for none"
         )
     for i, (time, force, *more) in enumerate(curves, 1):
         temperature, test = (*more, None, "")[:2]
         arrays = [np.ravel(np.asarray(column, float)) for column in (time, force)]
         if arrays[0].size != arrays[1].size:
             raise MaterialDataError(
-                f"{source}: curve {i} has {arrays[0].size} times but {arrays[1].size} forces; give "
-                "as many of both"
+                f"{source}: curve {i} has {arrays[0].size} times but {arrays[1].size} forces; a "
+                "relaxation curve needs one force for every time"
             )
         for k, (t, f) in enumerate(zip(*map(np.ndarray.tolist, arrays), strict=True), 1):
             row = {TIME: t, FORCES[1]: f, TEST: test or f"curve {i}"}

@@ -88,14 +88,15 @@ def fit_relaxation(
         one_of("shift", shift, tuple(SHIFTS))
         require(
             len(degrees) > len(SHIFTS[shift].names),
-            f"the shift {shift} needs at least {len(SHIFTS[shift].names) + 1} temperatures, "
-            f"{tests.source} has {len(degrees)}",
+            f"the temperature shift {shift} can be fitted only to tests at "
+            f"{len(SHIFTS[shift].names) + 1} or more temperatures, but {tests.source} has "
+            f"{len(degrees)}",
         )
     require(
         not entropic or several,
-        "entropic moduli (proportional to the absolute temperature) "
-        f"need tests at several temperatures, {tests.source} has "
-        f"{len(degrees)}; leave entropic out",
+        "entropic moduli (proportional to the absolute temperature) can be fitted only to tests at "
+        f"several temperatures, but {tests.source} has {len(degrees)}; leave out the option "
+        "entropic",
     )
     require(
         terms is None or tau is None,
@@ -128,7 +129,7 @@ def _reference(tests, reference):
         return min(degrees, key=lambda t: abs(t - ROOM_TEMPERATURE)) if degrees else None
     require(
         reference in degrees,
-        f"reference must be one of the tested temperatures "
+        "the reference temperature of a relaxation fit must be one of the tested temperatures "
         f"({', '.join(f'{t:g}' for t in degrees) or 'none is given'}), got {reference:g}",
     )
     return float(reference)
@@ -152,15 +153,15 @@ def _checked(found: RelaxationFit, given: bool) -> RelaxationFit:
     source = found.tests.source
     if not found.g.size:
         raise MaterialDataError(
-            f"{source}: no relaxation found: the force rises, or decreases by less than its "
-            "scatter; check that the strain is constant and that times count from the start of the "
-            "loading"
+            f"{source}: the test shows no stress relaxation, because the force rises, or decreases "
+            "by less than its scatter; check that the strain is constant and that times count from "
+            "the start of the loading"
         )
     if found.long_term < NONE:
         cure = "shorter relaxation times tau" if given else "a longer test or fewer terms"
         raise MaterialDataError(
-            f"{source}: no long-term modulus found: the sum of g would be 1, so that the force "
-            f"relaxes to zero; use {cure}"
+            f"{source}: the test does not determine a long-term modulus: the sum of the relaxing "
+            f"fractions g would be 1, so that the force relaxes to zero; use {cure}"
         )
     return found
 
@@ -182,7 +183,8 @@ def _search(model, log_a, ratios, terms, progress):
             if terms:
                 raise MaterialDataError(
                     f"{model.tests.source}: {model.tests.count} readings are too few for the "
-                    f"{len(own.names)} constants of {n} terms; use fewer terms or add readings"
+                    f"{len(own.names)} constants of a Prony series with {n} terms; use fewer terms "
+                    "or add readings"
                 )
             break
         x = _solve(own, starting_times(own, log_a, _sizes(own, ratios), before), log_a, ratios)

@@ -57,14 +57,14 @@ def fit_softening(
     """
     if not tests.cyclic:
         raise MaterialDataError(
-            f"{tests.source}: softening is identified from unloading, but no mode has an "
-            "unloading; add a cyclic test, or fit the law without softening"
+            f"{tests.source}: Mullins softening is identified from unloading, but none of the "
+            "tests contains an unloading; add a cyclic test, or fit the law without softening"
         )
     if law == "hyperfoam":
         raise ValueError(
-            f"{tests.source}: this is a cyclic test, but softening is available for nearly "
-            f"incompressible laws only, not for {law}; keep only the first loading, or fit another "
-            "law"
+            f"{tests.source}: this is a cyclic test, but Mullins softening can be fitted for "
+            f"nearly incompressible laws only, not for {law}; keep only the first loading, or fit "
+            "another law"
         )
     # a start, whose stability does not matter yet
     first = fit(
@@ -79,8 +79,9 @@ def fit_softening(
     below = tests.count - first.tests.count
     if below < len(softening):
         raise MaterialDataError(
-            f"{tests.source}: {below} unloading or reloading readings (below the largest stretch "
-            f"before) are too few for the {len(softening)} constants of the softening; add readings"
+            f"{tests.source}: {below} readings during unloading or reloading (below the largest "
+            f"earlier stretch) are too few for the {len(softening)} constants of the Mullins "
+            "softening; add readings"
         )
     differences = residuals(tests, weighting)
     ends = _ends(first, tests, [*unknowns, *softening], differences)
@@ -153,8 +154,8 @@ def _ends(first: Fit, tests, unknowns, differences) -> list[End]:
     if not ends:
         raise MaterialDataError(
             f"{tests.source}: the fit of {first.name} with softening failed from every start "
-            "value, because its stress is not finite at the tested stretches; choose another law, "
-            "or fit the first loading alone"
+            "value, because the stress of this law is not finite at the tested stretches; choose "
+            "another law, or fit the first loading alone"
         )
     return sorted(ends, key=lambda end: end.cost)
 
@@ -174,10 +175,10 @@ def _require_determined(end: End, deviations: dict, correlation, tests) -> None:
     own = end.law.softening
     if own.r > 0.5 * MOST_R or deviations[R] > own.r:
         raise MaterialDataError(
-            f"{tests.source}: r of the softening is not determined ({own.r:.3g} with a standard "
-            f"error of {deviations[R]:.2g}): the stress of unloading equals that of loading within "
-            "the scatter, or the unloading ends too early; unload further, or fit the law without "
-            "softening"
+            f"{tests.source}: the constant r of the Mullins softening is not determined "
+            f"({own.r:.3g} with a standard error of {deviations[R]:.2g}): the stress of unloading "
+            "equals that of loading within the scatter, or the unloading ends too early; unload "
+            "further, or fit the law without softening"
         )
     # s = m + beta W_max at the largest energy, and its standard error
     largest = _largest_energy(end.law.law, tests)
@@ -189,7 +190,7 @@ def _require_determined(end: End, deviations: dict, correlation, tests) -> None:
     spread = np.sqrt(max(error @ correlation[np.ix_(index, index)] @ error, 0.0))
     if not np.isfinite(error).all() or spread > width:
         raise MaterialDataError(
-            f"{tests.source}: m and beta of the softening are not determined: m + beta W_max is "
-            f"{width:.3g} kPa with a standard error of {spread:.2g}; add readings at the beginning "
-            "of the unloading, where the stress drops"
+            f"{tests.source}: the constants m and beta of the Mullins softening are not "
+            f"determined: m + beta W_max is {width:.3g} kPa with a standard error of {spread:.2g}; "
+            "add readings at the beginning of the unloading, where the stress drops"
         )

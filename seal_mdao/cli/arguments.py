@@ -80,9 +80,13 @@ def parser(
     )  # fmt: skip
     # options common to all subcommands
     made.add_argument("--out", type=Path, default=Path(out), metavar="DIR", help="folder to write")
-    made.add_argument("--quiet", action="store_true", help="print errors only, no progress")
     made.add_argument(
-        "--json", action="store_true", help="print summary.json instead of text lines"
+        "--quiet", action="store_true", help="print error messages only, no progress lines"
+    )
+    made.add_argument(
+        "--json",
+        action="store_true",
+        help="print the contents of summary.json (JSON) instead of text lines",
     )
     return made
 
@@ -104,34 +108,66 @@ def add_seal_arguments(made: argparse.ArgumentParser) -> None:
     # preset of discretisation and load steps
     group.add_argument(
         "--accuracy", choices=tuple(ACCURACIES), default=next(iter(ACCURACIES)),
-        help="particles and load steps: those of the paper, those with the best error per second, finer",
+        help="number of particles and load steps: as in the paper of Kim et al. (2000), with the "
+        "best accuracy for the computing time, or finer",
     )  # fmt: skip
     # friction law
     add("friction", float, "Coulomb coefficient", metavar="MU")
     rules = ("accumulated", "incremental")
-    add("friction_history", str, "how elastic slip is carried from step to step", choices=rules)
+    add(
+        "friction_history",
+        str,
+        "elastic slip of sticking points: accumulated over the load "
+        "steps, or zero at the start of every load step",
+        choices=rules,
+    )
     # geometry of the door
-    add("door", str, "shape of the door", choices=("corner", "flat"))
+    add("door", str, "shape of the door that compresses the seal", choices=("corner", "flat"))
     # short form of one value of --door
     group.add_argument(
         "--flat-door", dest="door", action="store_const", const="flat", default=argparse.SUPPRESS,
         help="the same as --door flat",
     )  # fmt: skip
-    add("corner_x", float, "x at which the flat part of the corner door ends", metavar="MM")
-    add("segments", int, "straight segments of the door; default: the exact curve", metavar="N")
+    add(
+        "corner_x",
+        float,
+        "x coordinate (mm) at which the flat part of the corner door ends",
+        metavar="MM",
+    )
+    add(
+        "segments",
+        int,
+        "number of straight segments that approximate the door; default: the exact curve",
+        metavar="N",
+    )
     # particles, kernels
-    add("rays", int, "number of particles around the ring, a multiple of 58", metavar="N")
-    add("layers", int, "number of particles across the wall", metavar="N")
+    add(
+        "rays",
+        int,
+        "number of particles around the circumference of the section, a multiple of 58",
+        metavar="N",
+    )
+    add("layers", int, "number of particles across the wall of the section", metavar="N")
     add(
         "refinement",
         int,
         "number of parts into which every interval between radial rows under the door is divided",
         metavar="N",
     )
-    add("support", float, "kernel support as a multiple of the longest cell edge", metavar="S")
+    add(
+        "support",
+        float,
+        "support size of the particle kernels as a multiple of the longest cell edge",
+        metavar="S",
+    )
     # load path
     add("n_steps", int, "number of load steps", metavar="N")
-    add("depth", float, "final depth of the door below the top of the nominal seal", metavar="MM")
+    add(
+        "depth",
+        float,
+        "compression of the seal: final depth of the door below the top of the nominal seal (mm)",
+        metavar="MM",
+    )
     # contact penalties
     add("normal_penalty", float, "penalty of normal contact, kPa/mm", metavar="W_N")
     add("tangent_penalty", float, "penalty of tangential contact, kPa/mm", metavar="W_T")
@@ -153,7 +189,7 @@ def travel(text: str) -> float:
         value = math.nan
     if not 0.0 <= value < math.inf:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a valid travel of the door; give a number of at least 0 (mm)"
+            f"{text!r} is not a valid travel of the door; it must be a number of at least 0 (mm)"
         )
     return value
 
@@ -368,8 +404,8 @@ def print_penalty_errors(result) -> None:
     parts += [unknown] if unknown else []
     if parts:
         print(
-            f"error by the contact penalties alone, estimated: {'; '.join(parts)}; discretisation "
-            "errors of particles and load steps are not included"
+            f"estimated numerical error due to the contact penalties alone: {'; '.join(parts)}; "
+            "the errors due to particles and load steps are not included"
         )
 
 

@@ -83,8 +83,8 @@ def readings(path: Path, units) -> tuple[np.ndarray, str, np.ndarray]:
     wrong = np.flatnonzero(along <= 0.0)
     if wrong.size:
         raise WrongArgumentError(
-            f"{rows[wrong[0]][0]}, column {column}: {along[wrong[0]]:g} is not above 0, the start "
-            "of the path; remove this line or correct the zero point"
+            f"{rows[wrong[0]][0]}, column {column}: {along[wrong[0]]:g} must be above 0, because 0 "
+            "is the start of the analysis; remove this line or correct the zero point"
         )
     back = np.flatnonzero(np.diff(along) <= 0.0)
     if back.size:
@@ -108,8 +108,8 @@ def force_of(seal, arguments, where: str, along) -> Reaction:
     moving = {own.label: own for own in contacts(seal) if own.motion.travel > 0.0}
     if not moving:
         raise WrongArgumentError(
-            f"{arguments.file}: no profile moves, so a measured force cannot be compared; give a "
-            "[[profile]] a [[profile.stage]]"
+            f"{arguments.file}: no profile moves, so there is no computed force to compare with "
+            "the measured one; add a [[profile.stage]] to a [[profile]]"
         )
     profile = arguments.profile
     if profile is None and len(moving) > 1:
@@ -138,7 +138,8 @@ def force_of(seal, arguments, where: str, along) -> Reaction:
             raise WrongArgumentError(
                 f"{arguments.csv}: the readings end at a travel of {along[-1]:g} mm, but {profile} "
                 f"moves only {end:.6g} mm after first contact with the seal; leave out the "
-                f"readings beyond, or extend the motion in {arguments.file}"
+                "readings at larger travels, or extend the motion of the profile in "
+                f"{arguments.file}"
             )
     return force
 
@@ -180,13 +181,14 @@ def report(found: ForceCalibration, units: dict, out: Path) -> None:
     )
     for name in found.at_bounds:
         print(
-            f"WARNING: {name} reached its bound, ten times above or below its start value; give a "
-            "better start value in the seal file"
+            f"WARNING: {name} reached the limit of the search, ten times or a tenth of its start "
+            "value; give a better start value in the seal file"
         )
     lost = [n for n, e in zip(found.names, found.standard_errors, strict=True) if np.isinf(e)]
     if lost:
         print(
-            f"WARNING: these readings do not determine {', '.join(lost)}; identify fewer parameters"
+            f"WARNING: the measured forces do not determine {', '.join(lost)}; identify fewer "
+            "parameters"
         )
     for i, j in np.argwhere(np.triu(np.abs(found.correlation), 1) > TOGETHER):
         print(
@@ -207,18 +209,21 @@ def arguments_parser():
         "seal-mdao calibrate seal.toml force.csv --find c10 friction",
     )  # fmt: skip
     made.add_argument(
-        "file", type=Path, metavar="FILE", help="seal file (TOML) with the start values"
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="seal file (TOML) with the start values of the parameters",
     )
     made.add_argument(
         "csv", type=Path, metavar="CSV",
         help=f"measured forces: columns {TRAVEL} (accumulated distance of the profile since first "
         f"contact, which increases during unloading, too) or {TIME} (from the start of the "
-        "path), and force_N_per_m, for a body of revolution force_N",
+        "motion), and force_N_per_m, for a body of revolution force_N",
     )  # fmt: skip
     made.add_argument(
         "--find", nargs="+", required=True, metavar="NAME",
-        help="parameters of the seal to find, or the ends of their names (c10, friction, g_1, tau_1); "
-        "a wrong name lists the parameters",
+        help="parameters of the seal to identify, or the ends of their names (c10, friction, g_1, "
+        "tau_1); an unknown name prints a list of all parameters",
     )  # fmt: skip
     made.add_argument("--profile", metavar="NAME", help="profile on which the force was measured")
     made.add_argument(

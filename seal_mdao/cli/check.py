@@ -114,8 +114,8 @@ def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
     print(
         f"seal-mdao analyze with {steps} load steps takes about {total}, of which "
         f"{choosing}{duration(output)} for start-up and figures, and "
-        f"{summary['estimated_memory_GiB']:.2g} GiB; where load steps are cut or stability is "
-        f"lost, up to {LONGEST} times as long"
+        f"{summary['estimated_memory_GiB']:.2g} GiB; if load steps have to be halved or the seal "
+        f"buckles, up to {LONGEST} times as long"
     )
     for text in summary["warnings"]:
         print(f"WARNING: {text}")

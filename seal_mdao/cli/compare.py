@@ -23,8 +23,8 @@ def main(arguments) -> int:
     for file in files.values():
         if not file.profiles:
             raise WrongArgumentError(
-                f"{file.path}: there is no [[profile]], so there is no load-deflection curve to "
-                "compare"
+                f"{file.path}: the seal file has no [[profile]], so it has no load-deflection "
+                "curve to compare"
             )
     results, summary = {}, {}
     for name, file in files.items():
@@ -59,8 +59,8 @@ def names_of(paths) -> list[str]:
     ]
     if len(set(names)) < len(names):
         raise WrongArgumentError(
-            "two of the files have the same name without folder and ending, by which the seals are "
-            "labelled; rename one"
+            "two of the seal files have the same name without folder and ending, but seals are "
+            "labelled by these names; rename one of the files"
         )
     return names
 

@@ -18,7 +18,10 @@ def design_lines(parameters: list[DesignParameter]) -> list[str]:
     left = len(parameters) - len(shown)
     more = [f"and {left} more, in summary.json"] if left else []
     count = f"{len(parameters)} design parameter{'s' if len(parameters) > 1 else ''}"
-    heading = f"{count} (boundary_offsets), each for a value of +1 mm, in mm and mm²:"
+    heading = (
+        f"{count} (boundary_offsets); effect of an increase by 1 mm on the boundary (mm) and on "
+        "the area (mm²):"
+    )
     return [heading, *lines, *more]
 
 

@@ -50,7 +50,9 @@ def examples_folder() -> Path:
     for folder in (Path(__file__).parents[2] / "examples", INSTALLED):
         if (folder / "d_bulb.toml").is_file():
             return folder
-    raise WrongArgumentError(f"the folder of examples {INSTALLED} is missing; reinstall seal_mdao")
+    raise WrongArgumentError(
+        f"the folder {INSTALLED} with the example seal files is missing; reinstall seal_mdao"
+    )
 
 
 def summary_of(path: Path) -> str:
@@ -61,5 +63,10 @@ def summary_of(path: Path) -> str:
 
 def arguments_parser():
     made = parser(__doc__, ".", "[NAME]", "seal-mdao examples d_bulb --out my_seal")
-    made.add_argument("name", nargs="?", metavar="NAME", help="example to copy; default: list all")
+    made.add_argument(
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="name of the example to copy; default: list all examples",
+    )
     return made

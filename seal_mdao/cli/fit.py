@@ -266,21 +266,25 @@ def add_law_options(add) -> None:
         "--weighting",
         choices=WEIGHTINGS,
         default="relative",
-        help="differences of stress that are minimised",
+        help="differences between computed and measured stress that the fit minimises",
     )
     add(
         "--stretches", type=float, nargs=2, metavar=("FROM", "TO"),
-        help="use only readings between these stretches",
+        help="use only readings between these two stretches",
     )  # fmt: skip
     add(
         "--bulk-modulus", type=float, default=80_000.0, metavar="KPA",
-        help="bulk modulus to write into the seal file; these tests do not determine it",
+        help="bulk modulus (kPa) to write into the seal file, because the tests do not determine it",
     )  # fmt: skip
     add(
         "--margin", type=float, default=MARGIN, metavar="FRACTION",
         help="check material stability in the tested ranges of ln(stretch) widened by this fraction",
     )  # fmt: skip
-    add("--allow-unstable", action="store_true", help="accept constants that are not stable")
+    add(
+        "--allow-unstable",
+        action="store_true",
+        help="accept constants of a material that is not stable",
+    )
     add("--seed", type=int, default=0, metavar="N", help="seed of the random start values")
 
 
@@ -290,25 +294,30 @@ def add_relaxation_options(add) -> None:
         type=float,
         nargs="+",
         metavar="S",
-        help="relaxation times to use; only g is fitted",
+        help="relaxation times (s) of the Prony series; only the fractions g are fitted",
     )
     add(
         "--ramp", type=float, default=0.0, metavar="S",
-        help="duration of the loading at a constant rate; readings during it are ignored",
+        help="duration (s) of the loading ramp at a constant rate; readings during the ramp are "
+        "ignored",
     )  # fmt: skip
     add(
         "--shift", choices=tuple(SHIFTS),
-        help="shift of the relaxation times with temperature; default: the one that fits better",
+        help="law of the shift of the relaxation times with temperature; default: the law that "
+        "fits better",
     )  # fmt: skip
     add(
         "--reference", type=float, metavar="DEGC",
-        help="reference temperature, one of the tested; default: the one nearest to 23",
+        help="reference temperature (°C), one of the tested temperatures; default: the tested "
+        "temperature nearest to 23 °C",
     )  # fmt: skip
     add(
         "--entropic", action="store_true",
-        help="moduli proportional to the absolute temperature; for a test at several temperatures",
+        help="fit moduli proportional to the absolute temperature; needs tests at several "
+        "temperatures",
     )  # fmt: skip
     add(
         "--moduli", choices=MODULI, default=MODULI[0],
-        help="kind of the moduli of the law in the seal file",
+        help="whether the constants of the law in the seal file are long-term or instantaneous "
+        "moduli",
     )  # fmt: skip

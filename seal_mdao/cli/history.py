@@ -78,5 +78,6 @@ def arguments_parser():
         help="recorder file of an optimisation (SqliteRecorder of OpenMDAO)",
     )
     add_seal_arguments(made)
-    made.epilog += ". Options of the seal are used only when the file does not hold its settings."
+    made.epilog += ". Options that describe the seal are used only if the recorder file does not "
+    "contain the settings of the seal."
     return made

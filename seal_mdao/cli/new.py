@@ -87,19 +87,21 @@ def arguments_parser():
     made.add_argument("name", metavar="NAME", help="name of the seal; NAME.toml is written")
     made.add_argument(
         "--from", dest="drawing", type=existing_file, metavar="DRAWING.dxf",
-        help="take the section from this drawing; each layer becomes an edge",
+        help="DXF drawing of the section; each layer of the drawing becomes an edge of the section",
     )  # fmt: skip
     made.add_argument(
         "--units",
         choices=tuple(MODEL_UNITS),
-        help="units of the drawing, if its header has none",
+        help="unit of length of the drawing, if the header of the drawing has none",
     )
     made.add_argument(
         "--parting", nargs="+", metavar="LAYER",
-        help="layers of lines between rubbers; default: a single one is detected",
+        help="layers of the drawing with lines between two rubbers; default: one such layer is "
+        "detected",
     )  # fmt: skip
     made.add_argument(
         "--ignore", nargs="+", metavar="LAYER",
-        help="layers that are not part of the boundary; annotation is always ignored",
+        help="layers of the drawing that are not part of the boundary; layers of annotation are "
+        "always ignored",
     )  # fmt: skip
     return made

@@ -128,7 +128,7 @@ def checked_seal(arguments, file) -> OutlineSeal:
     try:
         require_writers()
     except ImportError as error:
-        print(f"WARNING: the optimum will not be written as a seal file: {error}")
+        print(f"WARNING: the optimised design will not be written as a seal file: {error}")
     return seal
 
 

@@ -15,9 +15,9 @@ VIOLATED = 0.01
 change of a measure by other particles, as an active limit is met exactly with those of the
 optimisation."""
 CURE = (
-    "the particles are too coarse for these limits: optimise with a smaller spacing (seal-mdao "
-    "refine FILE --to 1 chooses it), or tighten the limits by this difference; leave singular points "
-    "out of a limit of stress (away_from_singular of von_mises)"
+    "the particle spacing is too coarse for these limits: optimise with a smaller spacing "
+    "(seal-mdao refine FILE --to 1 chooses one), or tighten the limits by this difference; exclude "
+    "singular points from a limit on the stress (away_from_singular of von_mises)"
 )
 
 
@@ -57,7 +57,10 @@ def violated_anew(constraints: dict, anew: dict | None) -> list[str]:
                 found.append(f"{text} is {word} its limit {limit:.4g}{relative}")
     if not found:
         return []
-    return [f"with new particles the optimum violates its limits: {', '.join(found)}; {CURE}"]
+    return [
+        "analysed with newly generated particles, the optimum violates its limits: "
+        f"{', '.join(found)}; {CURE}"
+    ]
 
 
 def meaningless_limits(result, measures) -> list[str]:

@@ -37,8 +37,8 @@ def recorded_run(arguments: argparse.Namespace) -> tuple[RecordedProblem, str]:
         optimizer = recorded_optimizer(path)
     if problem is None or FILE in problem.settings:
         raise WrongArgumentError(
-            f"{path} does not contain the settings of a door seal; restart the run of a seal file "
-            f"with seal-mdao optimize FILE --restart {path}"
+            f"{path} does not contain the settings of the built-in door seal; restart the "
+            f"optimisation of a seal file with seal-mdao optimize FILE --restart {path}"
         )
     # recorded settings: options of the seal, problem, optimiser
     options = options_of(problem.seal)
@@ -82,8 +82,8 @@ def recorder_file(arguments: argparse.Namespace) -> Path:
     continues = source is not None and cases.exists() and cases.samefile(source)
     if cases.exists() and not continues and not arguments.overwrite:
         raise WrongArgumentError(
-            f"{cases} contains an earlier run; choose another folder (--out), continue that run "
-            f"(--restart {cases}), or replace it (--overwrite)"
+            f"{cases} contains an earlier optimisation; choose another folder (--out), continue "
+            f"that optimisation (--restart {cases}), or replace it (--overwrite)"
         )
     return cases
 

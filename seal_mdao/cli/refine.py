@@ -70,8 +70,8 @@ def require_line(path: Path) -> None:
     """Raise ValueError for a seal file without a line of its own for ``spacing``."""
     if not SPACING.search(path.read_text(encoding="utf-8")):
         raise ValueError(
-            "spacing of [section] must be on a separate line, spacing = ..., so that it can be "
-            "replaced"
+            "the key spacing of [section] must be on a separate line of the seal file, spacing = "
+            "..., so that its value can be replaced"
         )
 
 
@@ -100,9 +100,12 @@ def arguments_parser():
     )
     made.add_argument(
         "--to", type=percentage, default=0.01, metavar="PERCENT",
-        help="allowed error bar of every measure, in percent of its value",
+        help="allowed estimated numerical error of every measure, in percent of its value",
     )  # fmt: skip
     made.add_argument(
-        "--measures", nargs="+", metavar="NAME", help="measures of the file; default: all"
+        "--measures",
+        nargs="+",
+        metavar="NAME",
+        help="measures of the seal file to which the allowed error applies; default: all",
     )
     return made

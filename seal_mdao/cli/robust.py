@@ -190,29 +190,30 @@ def arguments_parser():
         type=positive_integer,
         default=32,
         metavar="N",
-        help="scenarios of the optimisation",
+        help="number of scenarios in the optimisation",
     )
     add(
         "--seed",
         type=int,
         default=0,
         metavar="N",
-        help="seed of the scenarios; fresh samples use N + 1",
+        help="seed of the random scenarios; the samples that verify the optimum use N + 1",
     )
     add(
         "--fraction", type=float, default=goal.share, metavar="F",
-        help="required fraction of samples that satisfy each limit",
+        help="required fraction of samples that satisfy each constraint",
     )  # fmt: skip
     add(
         "--minimize", choices=GOALS, default=goal.minimize,
-        help="mean + K std of the objective, or its smooth maximum over the scenarios",
+        help="objective of the robust optimisation: mean plus K standard deviations over the "
+        "scenarios, or a smooth maximum",
     )  # fmt: skip
     add(
         "--deviations",
         type=float,
         default=goal.deviations,
         metavar="K",
-        help="factor K of the standard deviation in the objective",
+        help="factor K of the standard deviation in the robust objective",
     )
     add(
         "--band", type=float, default=goal.band, metavar="FRACTION",
@@ -220,7 +221,7 @@ def arguments_parser():
     )  # fmt: skip
     add(
         "--widen", type=float, default=goal.widen, metavar="FACTOR",
-        help="scatter of the scenarios divided by that of the tolerances",
+        help="standard deviations of the scenarios divided by those of the tolerances",
     )  # fmt: skip
     add(
         "--nominal", type=existing_file, metavar="FILE",

@@ -167,12 +167,12 @@ def add_optimization_arguments(made: argparse.ArgumentParser, restart: str) -> N
     )  # fmt: skip
     add(
         "--max-iterations", type=positive_integer, metavar="N",
-        help="maximum number of iterations, including those before a restart; a run that reaches "
-        "it can be continued with --restart",
+        help="maximum number of iterations of the optimiser, including those before a restart; an "
+        "optimisation that reaches it can be continued with --restart",
     )  # fmt: skip
     add("--restart", type=existing_file, metavar="CASES.sql", help=restart)
     add(
         "--overwrite",
         action="store_true",
-        help="replace the recorder file of an earlier run in --out",
+        help="replace the recorder file of an earlier optimisation in the folder --out",
     )

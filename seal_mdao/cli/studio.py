@@ -7,7 +7,10 @@ from pathlib import Path
 
 from seal_mdao.cli.arguments import WrongArgumentError, parser
 
-MISSING = "the live section needs tornado, which is not installed: pip install seal_mdao[studio]"
+MISSING = (
+    "seal-mdao studio needs the Python package tornado, which is not installed: pip install "
+    "seal_mdao[studio]"
+)
 
 
 def main(arguments) -> int:
@@ -62,12 +65,18 @@ def arguments_parser():
     made = parser(__doc__, ".", "[FILE]", "seal-mdao studio bulb.toml")
     made.add_argument(
         "file", type=Path, nargs="?", metavar="FILE",
-        help="seal file (TOML); its folder is read and written instead of --out",
+        help="seal file (TOML); the page reads and writes files in the folder of this file",
     )  # fmt: skip
     made.add_argument(
-        "--port", type=port, default=0, metavar="N", help="port of the server; 0: any free"
+        "--port",
+        type=port,
+        default=0,
+        metavar="N",
+        help="TCP port of the local server; 0: any free port",
     )
     made.add_argument(
-        "--no-browser", action="store_true", help="print the address without opening a browser"
+        "--no-browser",
+        action="store_true",
+        help="print the address of the page without opening a browser",
     )
     return made

@@ -66,7 +66,8 @@ def main(arguments) -> int:
     # all failed: the first message says why
     if not sampled.completed.any():
         raise sm.LoadPathError(
-            f"none of the samples could be analysed; the first failed with: {sampled.messages[0]}"
+            "none of the samples of the tolerance study could be analysed; the first one failed "
+            f"with: {sampled.messages[0]}"
         )
     # statistics, then figures, then text
     summary = summarize(study, sampled, estimate)
@@ -92,7 +93,10 @@ def study_of(arguments) -> ToleranceStudy:
         study = ToleranceStudy(seal, tolerances, label=label)
     with checked_arguments():
         if not study.task.measures:
-            raise ValueError("the seal has no measure to study; add a [[measure]] to its file")
+            raise ValueError(
+                "the seal has no measure whose scatter could be computed; add a [[measure]] to the "
+                "seal file"
+            )
     return study
 
 
@@ -220,15 +224,16 @@ def arguments_parser():
     add_tolerance_arguments(made)
     # design of experiments
     made.add_argument("--method", choices=METHODS, default=METHODS[0], help="method of sampling")
-    made.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the samples")
+    made.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random samples")
     made.add_argument(
         "--overwrite",
         action="store_true",
-        help="start again instead of continuing the study in --out",
+        help="start again instead of continuing the tolerance study in the folder --out",
     )
     made.add_argument(
         "--design", type=existing_file, metavar="FILE",
-        help="summary.json of an optimisation; its optimum is studied instead of the nominal seal",
+        help="summary.json of an optimisation; the tolerance study then refers to this optimum "
+        "instead of the nominal seal",
     )  # fmt: skip
     add_executor_arguments(made)
     add_seal_arguments(made)

@@ -10,24 +10,26 @@ from seal_mdao._version import __version__
 from seal_mdao.cli.one_line_parser import OneLineParser
 
 COMMANDS = {
-    "new": "write a seal file to start from, with comments, or from a drawing",
-    "keys": "list the tables of seal files, laws and measures, and their keys with units",
-    "check": "check a seal file, draw its particles, estimate the time of an analysis",
-    "refine": "choose the spacing of the particles for a given accuracy",
+    "new": "write a commented seal file to start from, or one from a DXF drawing",
+    "keys": "list the tables and keys of seal files with units",
+    "check": "check a seal file, draw the section and its particles, estimate the computing time",
+    "refine": "choose a particle spacing for a given accuracy of the results",
     "analyze": "analyse a seal: forces, contact, stresses, figures, CSV files",
-    "studio": "change a seal by dragging on a local page, with an immediate preview of forces",
-    "optimize": "optimise the shape of a seal",
-    "study": "sample the tolerances of a seal: distributions and correlations",
-    "robust": "optimise a seal over its tolerances and compare it with the nominal optimum",
-    "sweep": "vary one number: load-deflection curves and measures over this number",
+    "studio": "change a seal in the browser by dragging, with immediate estimates of the forces",
+    "optimize": "optimise the shape of a seal as specified in its seal file",
+    "study": "compute the scatter of the results due to manufacturing tolerances (random samples)",
+    "robust": "optimise a seal under manufacturing tolerances and compare it with the nominal "
+    "optimum",
+    "sweep": "analyse a seal for several values of one number; draw curves and results",
     "compare": "compare seals: load-deflection, contact pressure and sections in one figure",
     "animate": "make an animation of the closing of a seal",
-    "materials": "list material constants of rubber by hardness and of foam by grade",
-    "fit": "fit the constants of a rubber to tests",
-    "calibrate": "identify parameters of a seal from its measured force",
-    "report": "write the HTML report of a recorder file",
-    "history": "draw the figures of a recorder file",
-    "examples": "list the examples, copy one",
+    "materials": "list material constants of rubber by Shore A hardness and of foam by ASTM D1056 "
+    "grade",
+    "fit": "fit material constants of a rubber to test data",
+    "calibrate": "identify material constants or friction of a seal from its measured force",
+    "report": "write an HTML report of an optimisation from its recorder file",
+    "history": "draw figures of an optimisation from its recorder file",
+    "examples": "list the example seal files, or copy one",
 }
 """Subcommands, in the order of use; each is a module of this folder with ``main`` and
 ``arguments_parser``."""

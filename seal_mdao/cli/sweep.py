@@ -187,7 +187,9 @@ def vary(text: str) -> np.ndarray:
     if not all(map(math.isfinite, ends)):
         raise argparse.ArgumentTypeError(f"{text!r} contains a number that is not finite")
     if not 1 <= count <= MOST_VALUES:
-        raise argparse.ArgumentTypeError(f"{text!r} has a COUNT outside of 1 to {MOST_VALUES}")
+        raise argparse.ArgumentTypeError(
+            f"{text!r} must have a COUNT (number of values) from 1 to {MOST_VALUES}"
+        )
     if ":" in text:
         return np.linspace(*ends, count)
     if len(set(ends)) < count:
@@ -214,10 +216,11 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vary", nargs=2, action=_Vary, required=True, metavar=("NAME", "VALUES"),
-        help="varied quantity and its values, evenly spread (FROM:TO:COUNT) or listed (0.1,0.2,0.5): a "
-        "parameter of the seal or the end of its name (friction, c10), the travel of a profile in mm "
-        "(travel: that of its first stage, others in proportion), or a number of the file by its path "
-        "(material.rubber.c10, section.spacing, profile.door.start.2; rows by their names or numbers). "
-        "A wrong name lists the quantities; `seal-mdao keys` has all keys with their units",
+        help="varied quantity and its values, evenly spaced (FROM:TO:COUNT) or listed "
+        "(0.1,0.2,0.5): a parameter of the seal or the end of its name (friction, c10), the "
+        "travel of a profile in mm (travel: that of the first stage, other stages in "
+        "proportion), or a number in the seal file by its tables and key "
+        "(material.rubber.c10, section.spacing, profile.door.start.2). An unknown name prints "
+        "a list of all quantities; `seal-mdao keys` has all keys with their units",
     )  # fmt: skip
     return made

@@ -164,8 +164,8 @@ def _number_of(tables: dict, path: str) -> Varied:
 
 def _unknown(tables, path) -> WrongArgumentError:
     return WrongArgumentError(
-        f"--vary: the file has no number {path!r}{suggestion(path, _numbers(tables))}; its numbers are "
-        f"{_listed(tables)}"
+        f"--vary: the seal file has no number {path!r}{suggestion(path, _numbers(tables))}; its "
+        f"numbers are {_listed(tables)}"
     )
 
 

@@ -42,7 +42,7 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
         name = wrong[0].replace("_", "-")
         raise WrongArgumentError(
             f"--{name} is an option of the built-in door seal and cannot be combined with a seal "
-            f"file ({arguments.file}); leave it out"
+            f"file ({arguments.file}); leave out this option"
         )
     file, unchosen = file_of(arguments.file), None
     if arguments.tolerances is not None:
@@ -54,8 +54,9 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
         tolerances = tolerances_of(file.tolerance)
     else:
         raise sm.SealFileError(
-            f"{arguments.file}: [tolerance] is missing; add [tolerance.vary.NAME] for each "
-            "parameter that varies, or give a file of tolerances (--tolerances FILE.toml)"
+            f"{arguments.file}: [tolerance] is missing; add a table [tolerance.vary.NAME] for each "
+            "parameter that scatters, or give a separate file of tolerances (--tolerances "
+            "FILE.toml)"
         )
     return file, seal_of(file, unchosen=unchosen).with_placements(), tolerances
 
@@ -75,11 +76,11 @@ def add_tolerance_arguments(made) -> None:
         type=Path,
         nargs="?",
         metavar="FILE",
-        help="seal file (TOML); default: the door seal",
+        help="seal file (TOML); default: the built-in door seal",
     )
     add(
         "--tolerances", type=existing_file, metavar="FILE",
-        help="file of tolerances (TOML) that replaces [tolerance] of the seal file or those of the "
-        "door seal",
+        help="file (TOML) of manufacturing tolerances that replaces [tolerance] of the seal file "
+        "or the tolerances of the built-in door seal",
     )  # fmt: skip
     add("--samples", type=positive_integer, default=1000, metavar="N", help="number of samples")

@@ -35,10 +35,13 @@ def declare_seal_options(options) -> None:
         "factor_memory",
         default=FACTOR_MEMORY,
         check_valid=_check_memory,
-        desc="Memory (GiB) for stored factorisations of converged tangents; others are recomputed "
-        "for the partials.",
+        desc="Memory (GiB) for stored factorisations of the converged tangent stiffness; those "
+        "that do not fit are recomputed for the partial derivatives.",
     )
-    text = "AnalysisCache of earlier analyses; by default only the last analysis is cached."
+    text = (
+        "Cache of results of earlier analyses (an AnalysisCache); by default only the last "
+        "analysis is cached."
+    )
     options.declare("cache", types=AnalysisCache, desc=text, **OPTIONAL)
     text = "Function that is called after every converged load step."
     options.declare("callback", check_valid=check_callable, desc=text, **OPTIONAL)
@@ -55,14 +58,15 @@ def declare_derivative_options(options) -> None:
         "parameters",
         default=(),
         check_valid=_check_names,
-        desc="Names of scalar parameters that become inputs, in addition to those that the seal "
-        "always has.",
+        desc="Names of scalar parameters (such as material constants) that become inputs of the "
+        "component, in addition to the standard inputs.",
     )
     options.declare(
         "sensitivity",
         default="auto",
         values=METHODS,
-        desc="Method of the partials: auto selects the one with fewer right-hand sides.",
+        desc="Method of the partial derivatives: direct, adjoint, or auto, which selects the "
+        "method with fewer right-hand sides.",
     )
 
 
@@ -76,8 +80,9 @@ def add_boundary_offsets(component, seal: Seal) -> None:
             "boundary_offsets",
             val=np.zeros(seal.n_offsets),
             units="mm",
-            desc="Design parameters of the shape. Door seal: spline control values along the rays, "
-            "outer boundary first; sections from outlines: along the nominal normals, edge after edge.",
+            desc="Design parameters of the shape in mm: offsets of the boundary (control values of "
+            "splines). Built-in door seal: along radial rows of particles, outer boundary "
+            "first; seal files: along the normals of the nominal boundary, edge after edge.",
         )
 
 
@@ -161,8 +166,9 @@ def check_outputs(seal: Seal, measures, taken=()) -> None:
     # measures may be empty, as gaps of a closed contact; OpenMDAO needs at least one output
     if not any(measure.size(seal) for measure in measures):
         raise ValueError(
-            "option 'measures': no measure has a value, so the component would have no output; "
-            "name at least one measure here, or add a [[measure]] to the seal file"
+            "option 'measures': none of the measures has a value for this seal, so the component "
+            "would have no output; name at least one measure in this option, or add a [[measure]] "
+            "to the seal file"
         )
     # promoted outputs and inputs of one name would collide
     for measure in measures:
@@ -182,7 +188,9 @@ def _check_names(name, value):
             f"({value!r},)"
         )
     if len(set(value)) < len(value):
-        raise ValueError(f"option {name!r} names a parameter twice: {tuple(value)}; remove one")
+        raise ValueError(
+            f"option {name!r} names a parameter twice: {tuple(value)}; remove the second name"
+        )
 
 
 def _check_measures(name, value):

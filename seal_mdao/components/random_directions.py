@@ -49,9 +49,9 @@ class RandomDirectionsComp(om.ExplicitComponent):
         """Raise RuntimeError under complex step, which the contact analysis does not support."""
         if self.under_complex_step:
             raise RuntimeError(
-                f"{self.msginfo}: complex steps cannot pass through the contact analysis; its "
-                "partials are analytic, so leave it out of groups that approximate with "
-                "method='cs', or use method='fd'"
+                f"{self.msginfo}: the contact analysis does not support complex steps; its partial "
+                "derivatives are analytic, so leave this component out of groups that approximate "
+                "derivatives with method='cs', or use method='fd'"
             )
 
     def _avoid_small_directions(self):

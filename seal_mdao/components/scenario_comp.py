@@ -42,14 +42,14 @@ def declare_scenario_options(options) -> None:
         "failed",
         default="raise",
         values=POLICIES,
-        desc="If a scenario cannot be analysed: raise an AnalysisError, or leave it out of the "
-        "statistics and count it.",
+        desc="Action if a scenario cannot be analysed: raise an AnalysisError, or exclude the "
+        "scenario from the statistics and count it as failed.",
     )
     options.declare(
         "workers",
         types=(int, Processes, Executor),
-        desc="0: serial; N: number of processes; None: one process per core; or any executor of "
-        "concurrent.futures.",
+        desc="Parallel analyses: 0 for serial, N for the number of processes, None for one process "
+        "per core, or an executor of concurrent.futures.",
         **OPTIONAL,
     )
     text = "Function that is called with the index and the outcome of every finished scenario."
@@ -192,8 +192,8 @@ class ScenarioComp(RandomDirectionsComp):
         if len(failures) - len(failed) >= LEAST_LEFT:
             return ""
         return (
-            f"{len(failed)} of {len(failures)} scenarios failed, but at least {LEAST_LEFT} must "
-            f"succeed; {first}"
+            f"{len(failed)} of {len(failures)} scenarios could not be analysed, but at least "
+            f"{LEAST_LEFT} analyses must succeed; {first}"
         )
 
 
@@ -204,9 +204,10 @@ def _check_effect(scenarios: Scenarios, parameters) -> None:
         if variation.kind == VALUE and replaced:
             name = min(replaced)
             raise ValueError(
-                f"option 'parameters': the input {name!r} would have no effect, since the variation "
-                f"{variation.name!r} of kind 'value' replaces it in every scenario; leave it out of "
-                f"'parameters', or make the variation one of kind 'shift' or 'factor'"
+                f"option 'parameters': the input {name!r} would have no effect, since the "
+                f"variation {variation.name!r} of kind 'value' replaces it in every scenario; "
+                "remove this input from 'parameters', or change the kind of the variation to "
+                "'shift' or 'factor'"
             )
 
 

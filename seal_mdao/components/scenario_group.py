@@ -65,13 +65,15 @@ class ScenarioGroup(DesignGroup):
             "quantiles",
             default=(),
             check_valid=_check_levels,
-            desc="Levels of quantiles between 0 and 1, such as (0.95,).",
+            desc="Levels of the computed quantiles of the measures, between 0 and 1, such as "
+            "(0.95,).",
         )
         self.options.declare(
             SCENARIOS_OPTION,
             default=[],
             types=list,
-            desc="Numbers of the scenarios, one text in JSON, filled in by setup for recorder files.",
+            desc="Parameter values of the scenarios as JSON text; written by setup for recorder "
+            "files.",
         )
 
     def setup(self):

@@ -18,7 +18,7 @@ class DesignGroup(om.Group):
             SETTINGS_OPTION,
             default=[],
             types=list,
-            desc="The seal's attributes, one text in JSON, filled in by setup for recorder files.",
+            desc="Description of the seal as JSON text; written by setup for recorder files.",
         )
 
     def setup(self):

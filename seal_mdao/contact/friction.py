@@ -136,8 +136,8 @@ class ContactLaw(NamedTuple):
         """Raise ValueError for a penalty that is None; ``label`` is the contact's."""
         if self.open_penalties:
             raise ValueError(
-                f"{self.open_penalties[0]} of {label!r} is not set; give a value (kPa/mm), or make "
-                "the contact a term of a seal, which chooses one"
+                f"{self.open_penalties[0]} of the contact {label!r} has no value; give one in "
+                "kPa/mm, or use the contact in a seal, for which penalties are chosen automatically"
             )
 
     def potential(self, gap: np.ndarray, length: np.ndarray) -> float:

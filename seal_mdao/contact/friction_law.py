@@ -174,7 +174,9 @@ def friction_law(limits: Callable, **constants: float) -> FrictionLaw:
             )
     for wanted in names:
         if wanted not in constants | defaults:
-            raise ValueError(f"friction law {name!r} needs a value of the constant {wanted!r}")
+            raise ValueError(
+                f"friction law {name!r} has no value of its constant {wanted!r}; give one"
+            )
     return FrictionLaw(limits, tuple((defaults | constants)[n] for n in names))
 
 

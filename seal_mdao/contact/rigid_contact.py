@@ -322,10 +322,10 @@ class ContactTerm(PointTerm):
             slack = np.where(own < 0.0, 0.0, slack)
         if np.any(gap < -slack):
             raise GeometryError(
-                f"the undeformed body starts {-min(gap.min(), own.min()):.3g} mm inside the rigid "
-                f"profile {self.label!r}; move the profile away by at least this distance (start of "
-                f"the door seal; of a seal file its start, or the parameters {self.label}_x and "
-                f"{self.label}_y)"
+                f"the undeformed seal overlaps the rigid profile {self.label!r} by "
+                f"{-min(gap.min(), own.min()):.3g} mm at the start; move the profile away by at "
+                "least this distance (start of the door seal; of a seal file its start, or the "
+                f"parameters {self.label}_x and {self.label}_y)"
             )
 
     def changes(self, step, response, target):

@@ -86,7 +86,10 @@ class SelfContact(TermDefinition):
         self.law.check(self.label)
         values.real(f"apart of {self.label!r}", self.apart, above=0.0)
         if min(map(len, self.loops), default=0) < NODES:
-            raise ValueError(f"every loop of {self.label!r} needs at least {NODES} particles")
+            raise ValueError(
+                f"every closed boundary (loop) of the self-contact {self.label!r} needs at least "
+                f"{NODES} particles"
+            )
         if len(self.touching) != sum(map(len, self.loops)):
             raise ValueError(
                 f"touching of {self.label!r} must have one entry for each of the "
@@ -428,8 +431,8 @@ class SelfContactTerm(CoupledTerm):
             x, y = response.x[int(np.flatnonzero(response.branch)[0])]
             raise GeometryError(
                 f"the undeformed section already overlaps itself near x = {x:.4g}, y = {y:.4g} "
-                f"({self.label!r}); draw its walls with a gap between them, or name fewer edges in "
-                "[self_contact]"
+                f"({self.label!r}); draw the section with a gap between its walls, or name fewer "
+                "edges in [self_contact]"
             )
 
 

@@ -42,10 +42,10 @@ def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
         return
     more = f"; and {len(found) - NAMED} more" if len(found) > NAMED else ""
     warnings.warn(
-        f"contact is at a kink at this design: {'; '.join(found[:NAMED])}{more}. The derivatives "
-        "are one-sided and differ from finite differences across the kink; change the start or the "
-        "load steps of the profile so that no point changes its contact state exactly at the end "
-        "of a step, or change the design slightly",
+        "the derivatives at this design are one-sided, because a contact point just begins to "
+        f"touch, stick or slip: {'; '.join(found[:NAMED])}{more}. They differ from central finite "
+        "differences; change the start or the load steps of the profile so that no point changes "
+        "its contact state exactly at the end of a step, or change the design slightly",
         KinkWarning,
         stacklevel=2,
     )

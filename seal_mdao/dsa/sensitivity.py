@@ -38,8 +38,8 @@ class Sensitivities:
             return self.__dict__["rows"][name]
         except KeyError:
             raise AttributeError(
-                f"derivatives of {name!r} were not requested; add it to the arguments of "
-                "sensitivities"
+                f"derivatives of the measure {name!r} were not requested; add this measure to the "
+                "arguments of sensitivities"
             ) from None
 
 
@@ -79,12 +79,15 @@ def differentiate(result, parameters=None, measures=None, method: str = "auto") 
     """
     _check_method(method)
     if not hasattr(result, "require_converged"):
-        raise TypeError(f"result must be a result of analyze, got a {type(result).__name__}")
+        raise TypeError(
+            "the first argument (result) must be a result of seal_mdao.analyze, got a "
+            f"{type(result).__name__}"
+        )
     seal = result.seal
     if isinstance(parameters, str):
         raise ValueError(
-            f"parameters must be a sequence of names, got the string {parameters!r}; write "
-            f"({parameters!r},)"
+            f"the argument parameters must be a sequence of names, got the string {parameters!r}; "
+            f"write ({parameters!r},)"
         )
     names = seal.inputs if parameters is None else tuple(parameters)
     _check_names(result, names)
@@ -162,7 +165,9 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
 
 def _check_method(method):
     if method not in METHODS:
-        raise ValueError(f"method must be one of {METHODS}, got {method!r}")
+        raise ValueError(
+            f"the method of sensitivity analysis must be one of {METHODS}, got {method!r}"
+        )
 
 
 def _check_names(result, names):

@@ -313,7 +313,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
         )
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
-        raise ValueError(f"particle {where} has a coordinate that is not finite")
+        raise ValueError(f"the particle with the index {where} has a coordinate that is not finite")
     # u = Phi T d with T of the constrained particles, then Phi, grad Phi and w at all points
     cloud, transformation, rows = _essential(body, particles)
     cells = body.cell_table(cloud, transformation)

@@ -180,7 +180,7 @@ def storage_for(solver: str, n: int, width: int, equations, coupling) -> Storage
         PARDISO is required, pypardiso not installed.
     """
     if solver not in SOLVERS:
-        raise ValueError(f"solver must be one of {SOLVERS}, got {solver!r}")
+        raise ValueError(f"the linear solver must be one of {SOLVERS}, got {solver!r}")
     if solver == "auto":
         sparse = "pardiso" if find_spec("pypardiso") else "superlu"
         # r = 2 w n entries of the band / 4 nnz entries of the pattern (2 x 2 for each pair)

@@ -61,7 +61,8 @@ def import_pypardiso():
         import pypardiso
     except ImportError as error:
         raise ImportError(
-            f'the solver "pardiso" needs pypardiso ({error}): pip install "seal_mdao[pardiso]"'
+            f'the linear solver "pardiso" needs the Python package pypardiso ({error}): pip '
+            'install "seal_mdao[pardiso]"'
         ) from None
     # without the path every handle searches the complete environment for the library
     os.environ.setdefault(LIBRARY, pypardiso.ps.libmkl._name)

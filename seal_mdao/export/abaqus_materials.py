@@ -61,6 +61,7 @@ def _keyword(law) -> tuple[str, list[float]]:
         none = [0.0] * (len(law.mu) - 1)
         return f"*HYPERELASTIC, OGDEN, N={len(law.mu)}", [*terms, first, *none]
     raise ValueError(
-        f"the law {kind.__name__} has no counterpart in Abaqus; use neo_hookean, mooney_rivlin, "
-        "yeoh, ogden, hyperfoam, shore_a or sponge (seal-mdao fit fits them to tests)"
+        f"the material law {kind.__name__} has no counterpart in Abaqus; use neo_hookean, "
+        "mooney_rivlin, yeoh, ogden, hyperfoam, shore_a or sponge (seal-mdao fit fits them to "
+        "tests)"
     )

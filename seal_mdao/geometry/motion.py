@@ -68,7 +68,8 @@ class Motion:
             and count > 0
             and np.issubdtype(steps.dtype, np.integer)
             and steps.min() > 0,
-            f"steps of a motion must be positive integers, one per stage, got {self.steps!r}",
+            "the numbers of load steps of a motion must be positive integers, one per stage, got "
+            f"{self.steps!r}",
         )
         rates = np.zeros((0, count + 1, 3)) if self.rates is None else self.rates
         shapes = {
@@ -83,11 +84,12 @@ class Motion:
             object.__setattr__(self, name, array(f"{name} {of}", given, shape))
         require(
             self.clearance @ (self.positions[1] - self.positions[0]) <= 0.0,
-            f"clearance of a motion must point against its first displacement, got {self.clearance}",
+            "the clearance of a motion (its displacement before the start) must point against the "
+            f"first displacement of the motion, got {self.clearance}",
         )
         require(
             len(set(names)) == len(names),
-            f"every parameter of a motion needs a different name, got {names}",
+            f"the parameters of a motion must have different names, got {names}",
         )
         object.__setattr__(self, "steps", steps.astype(np.int64))
         object.__setattr__(self, "names", names)
@@ -97,7 +99,7 @@ class Motion:
         object.__setattr__(self, "durations", np.array(durations, float))
         require(
             self.durations.shape == (count,) and not np.any(self.durations <= 0.0),
-            f"durations of a motion must be positive, one per stage, got {self.durations!r}",
+            f"the durations of a motion must be positive, one per stage, got {self.durations!r}",
         )
 
     def _checked_fractions(self) -> np.ndarray:
@@ -105,8 +107,8 @@ class Motion:
         require(
             fractions.shape == (self.n_steps,)
             and all(map(increases_to_one, np.split(fractions, self._stage_ends[:-1]))),
-            f"fractions must increase to 1 in every stage of {self.steps.tolist()} steps, got "
-            f"{self.fractions!r}",
+            "the fractions of a motion at which load steps end must increase to 1 in every stage "
+            f"of {self.steps.tolist()} steps, got {self.fractions!r}",
         )
         return fractions
 
@@ -189,8 +191,8 @@ class Motion:
             and bool(np.all(np.diff(ends) > 0.0))
             and bool(np.isin(stage_ends, ends).all())
             and ends[-1] == self.n_steps,
-            "ends of load steps must increase and contain the ends of all stages "
-            f"{stage_ends.tolist()}, got {ends.tolist()}",
+            "the fractions of a motion at which load steps end must increase and contain the ends "
+            f"of all stages {stage_ends.tolist()}, got {ends.tolist()}",
         )
         # the stage of a step is the first whose end is not before the end of the step
         stages = np.searchsorted(stage_ends, ends)
@@ -335,7 +337,7 @@ class Motion:
         lengths, ends = self._lengths, np.cumsum(self._lengths)
         require(
             0.0 <= travel <= ends[-1] * (1.0 + ROUNDING),
-            f"a travel of {travel:.6g} is outside of the motion, whose path has the length "
+            f"a travel of {travel:.6g} mm is beyond the end of the motion, which is at a travel of "
             f"{ends[-1]:.6g}",
         )
         stage = min(int(np.searchsorted(ends, travel)), len(ends) - 1)
@@ -385,7 +387,7 @@ class Motion:
         """Return the index of the current nominal step; the last one at the end."""
         require(
             0.0 <= fraction <= self.n_steps,
-            f"step {fraction} is outside of the motion, which has {self.n_steps} steps",
+            f"load step {fraction} is beyond the end of the motion, which has {self.n_steps} steps",
         )
         return min(int(fraction), self.n_steps - 1)
 

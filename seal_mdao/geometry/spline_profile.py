@@ -31,7 +31,10 @@ def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> Rigi
     """
     knots, coefficients = np.asarray(knots, float), np.asarray(coefficients, float)
     n = len(knots) - 1
-    require(n > 0 and np.all(np.diff(knots) > 0.0), "the knots of a profile must increase")
+    require(
+        n > 0 and np.all(np.diff(knots) > 0.0),
+        "the knots of the cubic curves of a profile must increase",
+    )
     rates = np.zeros((0, n, 4, 2)) if rates is None else np.asarray(rates, float)
     require(
         coefficients.shape == (n, 4, 2) and rates.shape[1:] == (n, 4, 2),

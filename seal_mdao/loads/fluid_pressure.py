@@ -78,11 +78,14 @@ class FluidPressure(TermDefinition):
         ramp = values.numbers(f"ramp of {self.label!r}", self.ramp)
         if ramp.ndim != 1 or not (np.isfinite(ramp) & (ramp >= 0.0)).all():
             raise ValueError(
-                f"ramp of {self.label!r} must be a list of finite numbers of at least 0, one per "
-                "load step"
+                f"the ramp of the fluid pressure {self.label!r} must be a list of finite numbers "
+                "of at least 0, one per load step"
             )
         if len(self.edge) < 2:
-            raise ValueError(f"the edge of {self.label!r} needs at least two particles")
+            raise ValueError(
+                f"the edge on which the fluid pressure {self.label!r} acts needs at least two "
+                "particles"
+            )
         for contact in self.contacts:
             contact.where.at_particles  # noqa: B018
 

@@ -70,7 +70,9 @@ class TrappedAir(TermDefinition):
         values.real(f"pressure of {self.label!r}", self.pressure, above=0.0)
         values.real(f"gamma of {self.label!r}", self.gamma, above=0.0)
         if len(self.ring) < 3:
-            raise ValueError(f"the hole of {self.label!r} needs at least three particles")
+            raise ValueError(
+                f"the hole that contains the air {self.label!r} needs at least three particles"
+            )
 
     @property
     def where(self) -> MaterialPoints:

@@ -122,8 +122,8 @@ class VentedAir(TrappedAir):
             self._check_times()
         elif any(own is not None for own in (self.closing_speed, self.travel, self.time)):
             raise ValueError(
-                f"the time of {self.label!r} is already given by the environment; leave out "
-                "travel, time and closing_speed"
+                f"the times of the load steps of the vented air {self.label!r} are already given "
+                "by the environment (durations of stages); leave out travel, time and closing_speed"
             )
 
     @property
@@ -142,10 +142,14 @@ class VentedAir(TrappedAir):
                     f"{name} of {self.label!r} must be finite {what} that do not decrease"
                 )
         if np.shape(self.time) != np.shape(self.travel):
-            raise ValueError(f"travel and time of {self.label!r} must have one value for each step")
+            raise ValueError(
+                f"travel and time of the vented air {self.label!r} must have one value for each "
+                "load step"
+            )
         if self.closing_speed is None and self.travel[-1] > 0.0:
             raise ValueError(
-                f"{self.label!r} has a travel but no closing_speed; give the speed (mm/s)"
+                f"the vented air {self.label!r} has a travel but no closing_speed; give the speed "
+                "of the profile in mm/s"
             )
 
     @property

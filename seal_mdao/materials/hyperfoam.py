@@ -46,8 +46,8 @@ class Hyperfoam(StretchPowers):
         for i, nu in enumerate(self.nu, 1):
             if not -1.0 < nu < 0.5:
                 raise ValueError(
-                    f"nu_{i} of Hyperfoam must lie between -1 and 1/2, got {nu}; for a nearly "
-                    "incompressible rubber use Ogden"
+                    f"nu_{i} of Hyperfoam must lie between -1 and 1/2, got {nu}; for nearly "
+                    "incompressible rubber use the law Ogden instead of Hyperfoam"
                 )
         if not self.initial_bulk_modulus > 0.0:
             raise ValueError(

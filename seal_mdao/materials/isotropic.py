@@ -145,8 +145,9 @@ class Isotropic(ABC):
         knows the energy at every stretch across it, which bodies of revolution need.
         """
         raise NotImplementedError(
-            f"the compressible law {type(self).__name__} does not define the volumetric part V(J) of "
-            "its energy; define its method volumetric"
+            f"the compressible law {type(self).__name__} does not define the volumetric part V(J) "
+            "of its strain energy, which this analysis needs; add the method volumetric to its "
+            "class"
         )
 
     # ---- three principal stretches, lambda_3 not fixed at 1 ----

@@ -59,8 +59,8 @@ class OgdenRoxburgh:
             object.__setattr__(self, name, own)
         if self.m == 0.0 and self.beta == 0.0:
             raise ValueError(
-                "m and beta of softening are both zero, but m + beta W_max must be positive; give "
-                "one of them a value above 0"
+                "the constants m and beta of Mullins softening are both zero, but m + beta W_max "
+                "must be positive; give m or beta a value above 0"
             )
 
     @property

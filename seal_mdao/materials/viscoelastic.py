@@ -164,8 +164,8 @@ class PronySeries:
             object.__setattr__(self, name, tuple(float(value) for value in np.ravel(own)))
         if len(self.g) != len(self.tau) or not self.g:
             raise ValueError(
-                "a Prony series needs one tau for every g, and at least one term, got "
-                f"{len(self.g)} g and {len(self.tau)} tau"
+                "a Prony series needs one relaxation time tau for every relative modulus g, and at "
+                f"least one term, got {len(self.g)} g and {len(self.tau)} tau"
             )
         if min(self.g) < 0.0 or not sum(self.g) < 1.0:
             raise ValueError(
@@ -175,7 +175,8 @@ class PronySeries:
             )
         if not min(self.tau) > 0.0 or not math.isfinite(max(self.tau)):
             raise ValueError(
-                f"relaxation times tau must be finite and above 0 s, got {list(self.tau)}"
+                "the relaxation times tau of a Prony series must be finite and above 0 s, got "
+                f"{list(self.tau)}"
             )
 
     @property

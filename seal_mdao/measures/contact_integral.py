@@ -108,7 +108,8 @@ class PressureCentre(Measure):
         if (result.response(self.profile).gap < 0.0).any():
             return ""
         return (
-            f"{self.name}: {self.profile!r} is not in contact with the seal at the end of the path"
+            f"the measure {self.name} has no value, because the profile {self.profile!r} is not in "
+            "contact with the seal at the end of the analysis"
         )
 
     def evaluate(self, result, partials):

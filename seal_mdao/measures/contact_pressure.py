@@ -228,8 +228,8 @@ def unresolved_peaks(result) -> tuple[str, ...]:
         count = points_around_peak(result.response(profile).gap)
         if 0 < count < ENOUGH:
             lines.append(
-                f"the peak pressure on {profile!r} is resolved by only {count} points in contact "
-                "and may be in error by 5 % (four points) to 15 % (two points); use a smaller "
-                "edge_spacing for the edge there"
+                f"the peak pressure on {profile!r} is computed from only {count} points in "
+                "contact, so its numerical error may be 5 % (four points) to 15 % (two points); "
+                "use a smaller edge_spacing for the edge that touches this profile"
             )
     return tuple(lines)

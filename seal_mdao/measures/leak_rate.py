@@ -230,6 +230,7 @@ def _incompressible(name: str, material) -> None:
     """Raise ValueError for a material whose modulus in a plane strain contact is not 4 G."""
     if material.bulk_modulus == 0.0:
         raise ValueError(
-            f"{name!r}: the material in contact is compressible ({type(material).__name__}), so "
-            "its effective modulus is not known; give modulus = E / (1 - nu^2) (kPa)"
+            f"the measure {name!r} needs the effective modulus of the rubber, which is not known, "
+            f"because the material in contact is compressible ({type(material).__name__}); give "
+            "the key modulus = E / (1 - nu^2) (kPa) of this measure"
         )

@@ -41,8 +41,8 @@ class LoadDeflectionError(Derived):
         count = self.base.count
         if self.base.direction is None and len(self.base.components) > 1:
             raise ValueError(
-                f"{self.name!r} compares a single component of the force, but the force has two; "
-                "give one component or a direction"
+                f"the measure {self.name!r} compares a single component of the force with targets, "
+                "but the force has two components; give one component or a direction"
             )
         given = np.ones(count) if self.weights is None else self.weights
         for what, own in (("targets", self.targets), ("weights", given)):
@@ -55,12 +55,13 @@ class LoadDeflectionError(Derived):
             object.__setattr__(self, what, tuple(own.tolist()))
         if not all(self.targets):
             raise ValueError(
-                f"a target force of {self.name!r} is zero, but differences are relative to the "
-                "targets; leave this travel out"
+                f"a target force of the measure {self.name!r} is zero, but differences are "
+                "relative to the targets; leave out the travel with this target"
             )
         if min(self.weights) < 0.0 or not any(self.weights):
             raise ValueError(
-                f"weights of {self.name!r} must not be negative, and at least one must be positive"
+                f"the weights of the target forces of {self.name!r} must not be negative, and at "
+                "least one must be positive"
             )
 
     def value(self, values):

@@ -73,12 +73,13 @@ class Reaction(Measure):
             object.__setattr__(self, "travels", tuple(travels.tolist()))
         if not all(0.0 <= travel < np.inf for travel in travels):
             raise ValueError(
-                f"travels of {self.name!r} must be finite and at least 0 mm, got {travels}"
+                f"the travels at which the measure {self.name!r} is evaluated must be finite and "
+                f"at least 0 mm, got {travels}"
             )
         if not self.components or not {*self.components} <= {0, 1}:
             raise ValueError(
-                f"components of {self.name!r} must be 0 (horizontal) or 1 (vertical), got "
-                f"{self.components}"
+                f"the force components of the measure {self.name!r} must be 0 (horizontal) or 1 "
+                f"(vertical), got {self.components}"
             )
         object.__setattr__(self, "direction", self._unit_direction())
         if self.length is not None:
@@ -109,8 +110,8 @@ class Reaction(Measure):
         size = np.linalg.norm(vector)
         if vector.shape != (2,) or not 0.0 < size < np.inf:
             raise ValueError(
-                f"direction of {self.name!r} must be two numbers that are not both zero, or "
-                f"{TRAVEL!r}, got {self.direction!r}"
+                f"the direction of the force of the measure {self.name!r} must be two numbers that "
+                f"are not both zero, or {TRAVEL!r}, got {self.direction!r}"
             )
         return tuple((vector / size).tolist())
 
@@ -138,8 +139,8 @@ class Reaction(Measure):
             total = stage_times(seal.terms()[0], self.name).total
             if max(self.times) > total * (1.0 + ROUNDING):
                 raise ValueError(
-                    f"time = {max(self.times):g} s is beyond the end of the path at {total:.6g} s; "
-                    "give an earlier time or a longer duration"
+                    f"time = {max(self.times):g} s is beyond the end of the analysis at "
+                    f"{total:.6g} s; give an earlier time or a longer duration"
                 )
 
     def evaluate(self, result, partials):

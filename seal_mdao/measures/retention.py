@@ -35,8 +35,8 @@ class RetainedForce(Derived):
         first, last = values
         if first == 0.0:
             raise ValueError(
-                f"{self.name!r}: the force at the earlier stage or time is 0, so the ratio of the "
-                "forces is not defined; choose a stage or time at which the seal is in contact"
+                f"the measure {self.name!r} is a ratio of two forces, but the force at the earlier "
+                "stage or time is 0; choose a stage or time at which the seal is in contact"
             )
         return last / first, np.array([-last / first**2, 1.0 / first])
 
@@ -69,8 +69,8 @@ class TimeToForceFraction(Measure):
         first = stage_times(seal.terms()[0], self.name).first
         if self.stage >= len(first) or not np.isfinite(first[self.stage]):
             raise ValueError(
-                f"{self.name!r}: stage = {self.stage} is not followed by a dwell; give the number "
-                "of the stage before a dwell"
+                f"{self.name!r}: stage = {self.stage} is not followed by a dwell (a stage in which "
+                "the profiles do not move); give the number of the stage before a dwell"
             )
 
     def least_scale(self, result):
@@ -97,8 +97,8 @@ class TimeToForceFraction(Measure):
         _, fractions, forces = self._dwell(result)
         if forces[0] == 0.0:
             return (
-                f"{self.name}: the force at the end of stage {self.stage} is 0, so there is no "
-                "relaxation to measure"
+                f"the measure {self.name} has no value, because the force at the end of stage "
+                f"{self.stage} is 0 and cannot relax"
             )
         least = (forces / forces[0]).min()
         if least <= self.fraction:
@@ -179,9 +179,9 @@ class CompressionSet(Measure):
         )
         if closed == 0.0:
             raise ValueError(
-                f"{self.name!r}: the measured particle has not moved at the end of stage "
-                f"{self.stage}, so there is no compression to recover; choose a point on the "
-                "surface that the profile compresses, or another stage"
+                f"{self.name!r}: the point at which the compression is measured has not moved at "
+                f"the end of stage {self.stage}, so there is no compression to recover; choose a "
+                "point on the surface that the profile compresses, or another stage"
             )
         # m = u_e / u_c
         at = 0, self.point, self.component

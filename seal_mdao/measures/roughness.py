@@ -88,8 +88,8 @@ class Roughness:
         shortest, roll_off, longest = ends = self.wavelengths[::-1]
         if not shortest < roll_off <= longest <= WIDEST * shortest:
             raise ValueError(
-                "the wavelengths must satisfy shortest_wavelength < roll_off_wavelength <= "
-                f"longest_wavelength <= {WIDEST:g} shortest_wavelength, got "
+                "the wavelengths of the roughness must satisfy shortest_wavelength < "
+                f"roll_off_wavelength <= longest_wavelength <= {WIDEST:g} shortest_wavelength, got "
                 + ", ".join(f"{own:g}" for own in ends)
                 + " um"
             )

@@ -78,8 +78,8 @@ class WallThickness(Measure):
         values.real(f"deficit of {self.name!r}", self.deficit, above=0.0, below=1.0)
         if bool(self.edges) != bool(self.opposite):
             raise ValueError(
-                f"{self.name!r}: edges and opposite belong together; give both sides of the wall, "
-                "or neither"
+                f"the measure {self.name!r} needs both edges and opposite, the two sides of a "
+                "wall, or neither of these keys"
             )
 
     def evaluate(self, result, partials):
@@ -119,8 +119,8 @@ class WallThickness(Measure):
         walls = self._walls(body)
         if not walls:
             raise ValueError(
-                f"{self.name!r}: the section has no hole, so its walls are not known; give edges "
-                "and opposite, the two sides of a wall"
+                f"the measure {self.name!r} cannot find a wall, because the section has no hole; "
+                "give both sides of a wall by the keys edges and opposite"
             )
         # points of either side with the straight sides of the other
         pairs = [_every_pair(*own) for wall in walls for own in (wall, wall[::-1])]

@@ -28,12 +28,13 @@ def check_format(path: Path) -> None:
     """
     if path.suffix not in FORMATS:
         raise ValueError(
-            f"{path}: unknown format of animation; the name must end with {' or '.join(FORMATS)}"
+            f"{path}: unknown file format of an animation; the name must end with "
+            f"{' or '.join(FORMATS)}"
         )
     if path.suffix == ".mp4" and not writers.is_available("ffmpeg"):
         raise ValueError(
-            f"{path}: mp4 needs the program ffmpeg, which was not found; install it, or use .gif "
-            "or .html"
+            f"{path}: an mp4 animation needs the program ffmpeg, which was not found; install "
+            "ffmpeg, or use .gif or .html"
         )
 
 
@@ -65,7 +66,9 @@ def save_animation(
     check_format(path)
     count = len(result.path.nominal_steps)
     if count == 0:
-        raise ValueError("the result has no converged load step to draw; see result.failure")
+        raise ValueError(
+            "the result has no converged load step to draw; result.failure gives the cause"
+        )
     steps = np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int))
     fine = fine_grid(result)
     scales = section.stress_scales([fine], steps)

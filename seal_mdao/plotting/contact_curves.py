@@ -107,7 +107,8 @@ def contact_pressure(result: SealResult, steps=None) -> Figure:
     profiles = contacts(result.seal)
     if not profiles or not len(steps):
         raise ValueError(
-            "the result has no profile, or no converged load step to draw (see result.failure)"
+            "the result has no rigid profile, or no converged load step to draw (result.failure "
+            "gives the cause)"
         )
     count = len(profiles)
     figure, grid = subplots(count, 1, width=8.2, height=0.4 + 3.6 * count, squeeze=False)

@@ -54,7 +54,9 @@ def ring_view(result: SealResult, step: int = -1) -> Figure:
         )
     steps = len(result.path.nominal_steps)
     if steps == 0:
-        raise ValueError("the result has no converged load step to draw; see result.failure")
+        raise ValueError(
+            "the result has no converged load step to draw; result.failure gives the cause"
+        )
     step, fine = range(steps)[step], fine_grid(result)
     x, scales = fine.deformed(step), section.stress_scales([fine], (step,))
     sweep = min(SWEEP, LONGEST * section.size_of(result) / x[:, 0].max())

@@ -148,7 +148,9 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
         For a result without any converged step.
     """
     if len(result.path.nominal_steps) == 0:
-        raise ValueError("the result has no converged load step to draw; see result.failure")
+        raise ValueError(
+            "the result has no converged load step to draw; result.failure gives the cause"
+        )
     steps = result.key_steps() if steps is None else steps
     # shape functions on the fine grid are evaluated once for all steps (Lagrangian)
     fine = fine_grid(result)
@@ -188,7 +190,7 @@ def critical_modes(result: SealResult) -> Figure:
     """
     points, last = result.critical_points, len(result.path.nominal_steps) - 1
     if not points:
-        raise ValueError("the load path has no critical point (loss of stability) to draw")
+        raise ValueError("the analysis has no critical point (buckling or snap-through) to draw")
     limit = sorted((point.moved for point in points), reverse=True)[:MOST_POINTS][-1]
     points = [point for point in points if point.moved >= limit][:MOST_POINTS]
     # nominal step k, from 0, ends at the path parameter k + 1

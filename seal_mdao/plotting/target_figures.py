@@ -30,7 +30,9 @@ def force_targets(results: Mapping[str, SealResult], targets: Sequence[ForceTarg
         Without targets.
     """
     if not targets:
-        raise ValueError("the seal has no measure with target forces to draw")
+        raise ValueError(
+            "the seal has no measure with target forces (load_deflection_error) to draw"
+        )
     figure, panels = subplots(
         len(targets), width=7.4, height=0.6 + 3.4 * len(targets), squeeze=False
     )

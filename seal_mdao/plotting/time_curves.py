@@ -48,12 +48,13 @@ def force_over_time(result: SealResult) -> Figure:
     histories, stages = moving_histories(result), path_stages(result.seal)
     if not histories or not len(result.path.nominal_steps):
         raise ValueError(
-            "the result has no profile, or no converged load step to draw (see result.failure)"
+            "the result has no rigid profile, or no converged load step to draw (result.failure "
+            "gives the cause)"
         )
     if stages is None:
         raise ValueError(
-            "there is no time axis, because no material relaxes and no stage has a duration; use "
-            "the curves over travel instead"
+            "the force cannot be drawn over time, because no material is viscoelastic and no stage "
+            "has a duration; use the curves over travel instead"
         )
     # t after every nominal step, 0 at the start
     fractions = [step.fraction for step in result.path.nominal_steps]

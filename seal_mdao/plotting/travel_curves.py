@@ -207,7 +207,8 @@ def _segment_panels(rows, result: SealResult):
     """
     if not rows or not len(rows[0][0].stage):
         raise ValueError(
-            "the result has no profile, or no converged load step to draw (see result.failure)"
+            "the result has no rigid profile, or no converged load step to draw (result.failure "
+            "gives the cause)"
         )
     # one grid for all rows: as many columns as the longest one needs
     columns, n_rows = max(len(history.load_segments) for history, _ in rows), len(rows)

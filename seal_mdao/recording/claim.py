@@ -45,8 +45,8 @@ def claim(path) -> Claim:
             lock.acquire(blocking=False)
         except Timeout:
             raise RecorderBusyError(
-                f"another run is writing {path}; wait until it ends, or write this run to another "
-                "file"
+                f"another process is writing the recorder file {path}; wait until that process "
+                "ends, or choose another file"
             ) from None
         # a run that ended in between has deleted the file that this lock is on: try again
         if name.exists():

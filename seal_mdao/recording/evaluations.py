@@ -53,8 +53,8 @@ class RecordedEvaluations:
         self._model = access.problem_of(driver).model
         if self._model.comm.size > 1:
             raise RuntimeError(
-                "hotstart_file: a run can be continued on a single process only, not under MPI "
-                f"with {self._model.comm.size}"
+                "hotstart_file: an optimisation can be continued on a single process only, not "
+                f"under MPI with {self._model.comm.size}"
             )
         self.path = Path(path)
         cases = read_cases(self.path)
@@ -123,8 +123,9 @@ class RecordedEvaluations:
         recorded = self.find()
         if recorded is None:
             raise RestartError(
-                "the design variables of this run start from other values than those recorded in "
-                f"{self.path}; set the recorded start with seal_mdao.restart(problem, path)"
+                "the initial values of the design variables differ from those recorded in "
+                f"{self.path}; set the recorded initial values with seal_mdao.restart(problem, "
+                "path)"
             )
         for name, here, value in _recorded_and_present(recorded, self._model):
             if name not in recorded.outputs:
@@ -133,9 +134,9 @@ class RecordedEvaluations:
             scale = np.abs(value).max(initial=0.0)
             if not np.abs(here - value).max(initial=0.0) <= AGREEMENT * scale:
                 raise RestartError(
-                    f"{self.path} was recorded with another model: at the start design this model "
-                    f"gives another value of {name}; restart with the recorded model, or begin a "
-                    "new run"
+                    f"{self.path} was recorded with another model: at the initial design, this "
+                    f"model gives another value of {name}; restart with the recorded model, or "
+                    "begin a new run"
                 )
 
     def _design(self) -> list[np.ndarray]:

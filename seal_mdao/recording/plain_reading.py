@@ -57,8 +57,8 @@ class PlainDatabase:
         beside = [path.with_name(path.name + ending) for ending in ("-journal", "-wal")]
         if beside[0].is_file() and beside[0].read_bytes()[-8:] == TWO_FILES:
             raise ValueError(
-                f"the SQLite journal of {path} belongs to a transaction over several files, which "
-                "is not supported"
+                f"the recorder file {path} has an SQLite journal of a transaction over several "
+                "files, which is not supported"
             )
         # limits of what is read follow from the size of the file
         self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())

@@ -177,8 +177,8 @@ class RecordedOptimization:
         offsets, parameters = self.seals[0].design(index) if self.seals else (None, {})
         if offsets is None:
             raise ValueError(
-                "the recorder file does not contain the boundary offsets of a seal; record them "
-                "with seal_mdao.RestartRecorder, or with "
+                "the recorder file does not contain the design parameters of a seal "
+                "(boundary_offsets); record them with seal_mdao.RestartRecorder, or with "
                 'driver.recording_options["includes"] = ["*"]'
             )
         return offsets, parameters

@@ -148,7 +148,8 @@ class RestartRecorder(SqliteHooks):
         if comm is not None and comm.size > 1:
             if self._append:
                 raise RuntimeError(
-                    "RestartRecorder can append to a file on a single process only, not under MPI"
+                    "RestartRecorder can append to an existing recorder file on a single process "
+                    "only, not under MPI"
                 )
             self.make_database(comm)
             return

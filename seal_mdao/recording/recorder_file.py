@@ -113,12 +113,14 @@ def read_model(database: PlainDatabase) -> RecordedModel:
     # one row per model
     versions = database.rows("metadata", {"format_version": int})
     if len(versions) != 1:
-        raise ValueError(f"its table 'metadata' has {len(versions)} rows, not one")
+        raise ValueError(
+            f"the table 'metadata' of the recorder file has {len(versions)} rows, not one"
+        )
     version = versions[0][0]
     if version < OLDEST_FORMAT:
         raise ValueError(
-            f"its format {version} is older than {OLDEST_FORMAT}, the oldest one supported; record "
-            "the run again"
+            f"the format {version} of the recorder file is older than {OLDEST_FORMAT}, the oldest "
+            "supported format; record the optimisation again"
         )
     if version > format_version:
         raise ValueError(

@@ -65,9 +65,9 @@ def restart(problem, path) -> None:
     driver = problem.driver
     if "hotstart_file" not in driver.options:
         raise TypeError(
-            f"only UnoDriver and IpoptDriver can continue a run, not {type(driver).__name__}; with "
-            "another driver, load a recorded design with Problem.load_case and start a new run "
-            "from it"
+            "only UnoDriver and IpoptDriver can continue a recorded optimisation, not "
+            f"{type(driver).__name__}; with another driver, load a recorded design with "
+            "Problem.load_case and start a new optimisation from this design"
         )
     # variables and scaling of the driver are known after the final setup
     problem.final_setup()

@@ -45,7 +45,7 @@ def run(problem) -> None:
             )
             return
     issue_warning(
-        "the report 'seal' needs a SQLite recorder on the driver, for example "
+        "the OpenMDAO report 'seal' needs an SQLite recorder on the driver, for example "
         "seal_mdao.RestartRecorder",
         category=DriverWarning,
     )

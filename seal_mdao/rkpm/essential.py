@@ -79,7 +79,7 @@ def essential_transformation(constrained: np.ndarray, table: ShapeTable) -> Esse
     lambda_cc = rows[:, where]
     if constrained.size and np.linalg.cond(lambda_cc) > 1e10:
         raise GeometryError(
-            "the shape functions at the constrained particles are linearly dependent; use a "
+            "the RKPM shape functions at the constrained particles are linearly dependent; use a "
             "smaller kernel support or constrain fewer particles"
         )
     inverse = np.linalg.inv(lambda_cc)

@@ -17,7 +17,10 @@ from seal_mdao.scenarios.task import Outcome, SealTask, run_task
 
 AHEAD = 2
 """Scenarios submitted per process: one in progress, one waiting."""
-DIED = "the worker process died twice, probably out of memory; use fewer workers"
+DIED = (
+    "the process of a scenario was killed twice, probably because the memory was exhausted; use "
+    "fewer parallel processes"
+)
 
 NONE_BEGAN = (
     "worker processes ended twice during start-up; put the code of the script that starts them "
@@ -98,8 +101,8 @@ class _Run:
             packed = pickle.dumps(task)
         except Exception as error:  # any error of any part of the task
             raise ValueError(
-                f"the seal or a measure cannot be sent to another process ({error}); run the scenarios "
-                "in line, workers=0"
+                "the scenarios cannot run in parallel, because the seal or a measure cannot be "
+                f"sent to another process ({error}); run them one after the other with workers=0"
             ) from error
         self._key, self._packed = sha256(packed).hexdigest(), packed
         if self._replaceable:

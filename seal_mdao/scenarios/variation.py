@@ -87,7 +87,8 @@ class Scenarios:
         numbers = values.numbers("numbers of scenarios", self.numbers)
         if numbers.ndim != 2 or numbers.shape[1] != len(names) or not len(numbers):
             raise ValueError(
-                f"numbers of scenarios must have shape (S, {len(names)}), got {numbers.shape}"
+                f"the parameter values of scenarios (numbers) must have shape (S, {len(names)}), "
+                f"got {numbers.shape}"
             )
         object.__setattr__(self, "numbers", numbers)
         if self.offsets is not None:

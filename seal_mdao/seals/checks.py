@@ -106,9 +106,10 @@ def _balance(samples: EvaluationPoints):
     worst = int(left.argmax())
     if not left[worst] <= OPEN_BALANCE:
         yield Finding(
-            f"equilibrium is met to {left[worst]:.1g} of the forces only at path parameter "
-            f"{path.steps[worst].fraction:.4g}: rounding errors or a large tolerance ended the "
-            "iterations; use material moduli of similar magnitude and the default tolerance",
+            f"forces are in equilibrium only to a relative residual of {left[worst]:.1g} in the "
+            f"load step that ends at {path.steps[worst].fraction:.4g} (number of the step): "
+            "rounding errors or a large tolerance ended the iterations; use material moduli of "
+            "similar magnitude and the default tolerance",
             not left[worst] <= NO_BALANCE,
         )
 
@@ -123,14 +124,15 @@ def _stability(samples: EvaluationPoints):
     if path.problem.symmetric:
         # critical point of a potential energy
         text = (
-            "equilibrium is not stable at the end: the body would jump to another equilibrium; "
-            'follow the stable branch (branch="stable" of NewtonOptions)'
+            "the equilibrium at the end of the analysis is not stable: the seal would snap to "
+            'another equilibrium; follow the stable branch (branch="stable" of NewtonOptions)'
         )
     else:
         # with friction the sign of det K only suggests it
         text = (
-            "equilibrium may not be stable at the end: the determinant of the tangent is negative; "
-            "compare with slightly more load or other friction"
+            "the equilibrium at the end of the analysis may not be stable, because the determinant "
+            "of the tangent stiffness is negative; compare with slightly more travel or other "
+            "friction"
         )
     yield Finding(text, False)
 
@@ -187,8 +189,8 @@ def _volume(samples: EvaluationPoints):
         worst = int(np.flatnonzero(beside & (least == corner))[0])
         yield Finding(
             f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} "
-            f"where {_at(samples.undeformed[worst])} undeformed; this hardly changes the forces, "
-            f"but {LEAVE_OUT}",
+            f"where {_at(samples.undeformed[worst])} undeformed (det F: volume ratio); this hardly "
+            f"changes the forces, but {LEAVE_OUT}",
             False,
             meaningless=True,
             place=samples.undeformed[worst],
@@ -295,8 +297,8 @@ def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> st
     missing = [name for pair in sides[~touching] for name in _edges_of(samples, pair)]
     listed = ", ".join(f'"{name}"' for name in dict.fromkeys([*known, *missing]))
     return (
-        f"no self-contact is defined between {which}; use [self_contact] edges = [{listed}], or less "
-        "travel"
+        f"no self-contact is defined between {which}; use [self_contact] edges = [{listed}] to "
+        "define it, or less travel"
     )
 
 
@@ -342,8 +344,8 @@ def _inside_itself(samples: EvaluationPoints):
             place, depth = x[points[gap.argmin()]], -gap.min()
             yield Finding(
                 f"walls of the seal lie {depth:.3g} mm inside each other near {_at(place)}, "
-                f"{100.0 * depth / size:.2g} % of {whose}: the penalty of {term.label!r} is too "
-                "small; use a larger penalty or less travel",
+                f"{100.0 * depth / size:.2g} % of {whose}: the penalty of the contact "
+                f"{term.label!r} is too small; use a larger penalty or less travel",
                 bool(depth > DEEP * samples.wall),
             )
 

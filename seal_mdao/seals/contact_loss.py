@@ -53,7 +53,7 @@ def _sentence(label: str, motion: Motion, stage: int, fractions) -> str:
         where = "turns of {:.3g} and {:.3g} degrees".format(*turns)
     of_stage = f" in stage {stage + 1}" if len(motion.steps) > 1 else ""
     return (
-        f"contact with the profile {label!r} is lost between {where}{of_stage}: they are not in "
-        "contact at the end of the stage; end the stage earlier, or change the motion of the "
+        f"the seal loses contact with the profile {label!r} between {where}{of_stage} and is not "
+        "in contact at the end of the stage; end the stage earlier, or change the motion of the "
         "profile"
     )

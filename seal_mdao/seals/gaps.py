@@ -120,6 +120,6 @@ def _unmeasured(result, measure) -> str:
         f"the largest gap to {base.profile!r}, {largest.size:.3g} mm at "
         f"{values.place(largest.place)} of the undeformed section, lies outside of the points at "
         f"which {measure.name} is evaluated, where it is at most {gap.max(initial=0.0):.3g} mm: "
-        "the opening has moved away from them; minimise the integral of the gap instead "
-        "(gap_square_integral, --gap-integral)"
+        "the gap region has moved away from these points; minimise the integral of the squared gap "
+        "instead of the sum at points (gap_square_integral, --gap-integral)"
     )

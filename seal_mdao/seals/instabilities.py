@@ -61,11 +61,15 @@ class Instability:
             )
         if self.kind == "unsymmetric":
             return (
-                f"equilibrium may not be stable from {place} on: the determinant of the tangent is "
-                "negative; look at the next steps, or compare with a little other friction"
+                f"the equilibrium may not be stable from {place} on, because the determinant of "
+                "the tangent stiffness is negative; check the following load steps, or compare "
+                "with slightly different friction"
             )
         if self.moved == 0.0:
-            return f"equilibrium is not stable from {place} on, and the path stays on that branch"
+            return (
+                f"the equilibrium is not stable from {place} on, and the analysis follows this "
+                "unstable branch of equilibria"
+            )
         least = "at least " if self.lower_bound else ""
         lost = (
             f" and releases {least}{self.released:.2g} {self.unit}"
@@ -75,7 +79,10 @@ class Instability:
         if self.crossed:
             lost = ", where the boundary crosses itself, so that no energy is given"
         why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
-        return f"{why} at {place}: the seal moves {self.moved:.2g} mm to the next stable one{lost}"
+        return (
+            f"{why} at {place}: the seal snaps to the next stable equilibrium, {self.moved:.2g} mm "
+            f"away{lost}"
+        )
 
 
 def instabilities(result) -> tuple[Instability, ...]:

@@ -241,8 +241,8 @@ def warnings_of(result) -> tuple[str, ...]:
     unknown = not_estimable(result.penalty_error)
     if unknown:
         lines.append(
-            f"error by contact penalties of {unknown}, or the penalties are far too small; repeat "
-            "the analysis with ten times the penalties and compare"
+            f"the numerical error due to the contact penalties is {unknown}, or the penalties are "
+            "far too small; repeat the analysis with ten times the penalties and compare"
         )
     return tuple(lines)
 

@@ -110,7 +110,8 @@ def leading_contact(seal) -> RigidContact:
     found = contacts(seal)
     if not found:
         raise ValueError(
-            "the seal has no profile, so there is no contact to evaluate; add a [[profile]]"
+            "the seal has no rigid profile, so there is no contact to evaluate; add a [[profile]] "
+            "to the seal file"
         )
     return next((contact for contact in found if contact.motion.moves), found[0])
 

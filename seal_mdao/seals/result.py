@@ -200,8 +200,9 @@ class SealResult:
         """
         if self.boundary_offsets is None:
             raise ValueError(
-                "this result was computed from given particles and has no boundary offsets; use "
-                "path.discretization.weights.sum() for the area of its cells"
+                "this result was computed for given particle positions and has no boundary "
+                "offsets, from which the area is computed; use path.discretization.weights.sum() "
+                "for the area of the background cells"
             )
         return self.seal.area(self.boundary_offsets)[0]
 
@@ -225,7 +226,7 @@ class SealResult:
         wrong = [found.text for found in findings(self.path) if found.impossible]
         if wrong:
             raise LoadPathError(
-                f"the state at the end of the load path is not admissible: {'; '.join(wrong)}", self
+                f"the result at the end of the analysis must not be used: {'; '.join(wrong)}", self
             )
 
     def admissible_values(self, measures) -> dict:
@@ -245,7 +246,8 @@ class SealResult:
             wrong = [*filter(None, wrong)]
             wrong += [found.text for found in findings(self.path) if found.meaningless]
             raise LoadPathError(
-                f"{', '.join(unknown)} cannot be evaluated: {'; '.join(wrong)}", self
+                f"{', '.join(unknown)} cannot be evaluated for this result: {'; '.join(wrong)}",
+                self,
             )
         return values
 
@@ -265,8 +267,8 @@ class SealResult:
         near = missing_contact(self.path) if done else ""
         advice = f"{near}. {advice}" if near else advice
         return (
-            f"the load path could not be completed at {self.path.failure}; {done} of "
-            f"{self.seal.n_steps} load steps converged.{lost} {damped + '. ' if damped else ''}{advice}"
+            f"the analysis stopped at {self.path.failure}; {done} of {self.seal.n_steps} load "
+            f"steps converged.{lost} {damped + '. ' if damped else ''}{advice}"
         )
 
     @property
@@ -413,8 +415,9 @@ def frozen_measures(seal: Seal, measures=None, analysis: Callable | None = None)
             names = ", ".join(repr(measure.name) for measure in wanted)
             raise LoadPathError(
                 f"the measures {names} are evaluated at points that an analysis of the nominal "
-                "seal determines, but this analysis failed; make it succeed (sm.analyze("
-                f"seal.nominal())), or leave these measures out: {nominal.failure}",
+                "seal determines, but this analysis failed; correct the nominal seal until "
+                "sm.analyze(seal.nominal()) converges, or leave out these measures: "
+                f"{nominal.failure}",
                 nominal,
             )
         for measure in (*wanted, *seal.measures()):  # those of always are asked for next

@@ -130,22 +130,26 @@ class Seal:
         shape = (self.body.n_particles, 2)
         if np.shape(self.nominal_particles) != shape:
             raise ValueError(
-                f"nominal_particles must have shape {shape}, got {np.shape(self.nominal_particles)}"
+                f"the positions nominal_particles of a seal must have shape {shape}, got "
+                f"{np.shape(self.nominal_particles)}"
             )
         if np.ndim(self.design_velocity) != 3 or np.shape(self.design_velocity)[1:] != shape:
             raise ValueError(
-                f"design_velocity must have shape (P, {shape[0]}, 2), got "
+                f"the array design_velocity of a seal must have shape (P, {shape[0]}, 2), got "
                 f"{np.shape(self.design_velocity)}"
             )
         self._complete()
         # a label is how measures, sensitivities and figures find a term
         labels = [definition.label for definition in self.definitions]
         if len(set(labels)) < len(labels):
-            raise ValueError(f"every term needs a different label, got {labels}")
+            raise ValueError(
+                f"the loads and contacts (terms) of a seal must have different labels, got {labels}"
+            )
         unknown = [name for name in self.inputs if name not in self.scalars]
         if unknown:
             raise ValueError(
-                f"no term has the input {unknown[0]!r}; the inputs are {', '.join(self.scalars)}"
+                f"the seal has no parameter {unknown[0]!r}; its parameters are "
+                f"{', '.join(self.scalars)}"
             )
 
     def __repr__(self) -> str:
@@ -389,10 +393,10 @@ class Seal:
         if not self.step_error:
             return ()
         return (
-            f"{self.n_steps} load steps cause an error of {self.step_error:.1%} of the largest force or "
-            "measure, which more load steps do not reduce: the other warnings name the cause, often a "
-            "loss of stability, or walls that meet without [self_contact]; change the section, or "
-            "reduce the travel",
+            f"{self.n_steps} load steps cause an estimated error of {self.step_error:.1%} of the "
+            "largest force or measure, which more load steps do not reduce: the other warnings "
+            "name the cause, often a loss of stability, or walls that meet without [self_contact]; "
+            "change the section, or reduce the travel",
         )
 
     # ---- design ----

@@ -231,8 +231,8 @@ class Relaxation:
     def step_density(self, density, f, response):
         if response is None:
             raise ValueError(
-                "the stored energy of a relaxing (viscoelastic) body cannot be computed from its "
-                "stress; leave out measures of strain energy and of dissipated work"
+                "the strain energy of a viscoelastic seal cannot be computed from its stress; "
+                "leave out measures of strain energy and of dissipated work"
             )
         own = response.coefficients
         f11, f12, f21, f22 = np.moveaxis(f[..., :4], -1, 0)

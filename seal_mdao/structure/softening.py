@@ -183,9 +183,9 @@ class Softening:
     def step_density(self, density, f, response):
         if response is None:
             raise ValueError(
-                "the stored energy of a softening body (Mullins effect) cannot be computed, "
-                "because it depends on the largest earlier energy; leave out measures of strain "
-                "energy and of dissipated work"
+                "the strain energy of rubber with Mullins softening cannot be computed, because it "
+                "depends on the largest earlier energy; leave out measures of strain energy and of "
+                "dissipated work"
             )
         moduli = response.moduli
         # mu phi(W, W_max)
@@ -197,13 +197,15 @@ def _refuse(definition) -> None:
     environment = definition.environment
     if any(region.prony is not None for region in definition.regions):
         raise ValueError(
-            "softening and relaxation cannot be combined in one body; leave out either"
+            "Mullins softening and viscoelasticity cannot be combined in one seal; leave out either"
         )
     if environment is not None and environment.axial_stretch is not None:
-        raise ValueError("softening cannot be combined with an axial stretch; leave out either")
+        raise ValueError(
+            "Mullins softening cannot be combined with an axial stretch; leave out either"
+        )
     for region in definition.regions:
         if region.softening is not None and not is_isochoric(region.material):
             raise ValueError(
-                "softening is available for nearly incompressible rubber only, but "
-                f"{type(region.material).__name__} is compressible; leave softening out"
+                "Mullins softening is available for nearly incompressible rubber only, but "
+                f"{type(region.material).__name__} is compressible; leave out softening"
             )

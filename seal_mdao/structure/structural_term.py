@@ -115,8 +115,9 @@ class StructuralTerm(Term):
         mixed = np.flatnonzero((columns != columns[:, :1]).any(axis=1))
         if mixed.size:
             raise ValueError(
-                f"column {mixed[0]} of {columns.shape[1]} cells with continuous pressure has two "
-                f"{what}; use the same in all cells of a column, or one pressure per cell"
+                f"column {mixed[0]} of {columns.shape[1]} background cells across the wall has two "
+                f"{what}, but its pressure is continuous; use the same in all cells of a column, "
+                "or one pressure per cell"
             )
         return columns[:, 0].copy()
 

@@ -39,7 +39,9 @@ class Jobs:
         except Exception:
             # a fault of the program: the page says so, the terminal has the traceback
             traceback.print_exc()
-            text = f"internal error in {kind!r}; the terminal shows the traceback"
+            text = (
+                f"internal error of seal-mdao studio in {kind!r}; the terminal shows the traceback"
+            )
             self._send("failed", {"job": kind, "text": text})
         else:
             texts = {str(own.message).split("\n")[0] for own in noted}

@@ -31,8 +31,8 @@ class Frame:
             asyncio.get_running_loop()
         except RuntimeError:
             raise RuntimeError(
-                "the page needs the event loop of a notebook; in a terminal use seal-mdao studio "
-                "FILE"
+                "the page of seal_mdao.studio.notebook needs the event loop of a notebook; in a "
+                "terminal use the command seal-mdao studio FILE"
             ) from None
         path, self.height = Path(path), height
         project = Project(path.parent)

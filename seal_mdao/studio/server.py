@@ -186,7 +186,11 @@ class Live(Guarded, WebSocketHandler):
         # number of the last change of this page that was followed
         self._change = 0
         if len(self.studio.pages) >= MOST_PAGES:
-            self.close(1013, f"{MOST_PAGES} pages are already open; close one of them")
+            self.close(
+                1013,
+                f"{MOST_PAGES} browser pages of seal-mdao studio are already open; "
+                "close one of them",
+            )
             return
         self.set_nodelay(True)
         self.studio.pages.add(self)

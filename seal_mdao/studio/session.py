@@ -96,7 +96,7 @@ class Session:
             For one that cannot be followed; nothing has changed then.
         """
         if not isinstance(message, dict):
-            raise RequestError("a message must be an object with the key 'do'")
+            raise RequestError("a message from the page must be a JSON object with the key 'do'")
         does = message.get("do")
         known = {
             "drag": self._drag, "commit": self._commit, "undo": self._undo, "redo": self._redo,
@@ -108,16 +108,18 @@ class Session:
         if not isinstance(does, str) or does not in known:
             raise RequestError(f"unknown message {str(does)[:40]!r}")
         if does != "open" and self.scene is None:
-            raise RequestError("open a seal file first")
+            raise RequestError("no seal file is open; open a seal file first")
         known[does](message)
 
     def _numbers(self, message) -> list[float]:
         """Return the design of a message within the ranges of its numbers."""
         given, numbers = message.get("design"), self.scene["numbers"]
         if not isinstance(given, list) or len(given) != len(numbers):
-            raise RequestError(f"a design must have {len(numbers)} numbers")
+            raise RequestError(
+                f"a design must have {len(numbers)} numbers, one per handle of the page"
+            )
         if not all(map(_is_number, given)):
-            raise RequestError("the numbers of a design must be finite")
+            raise RequestError("the numbers of a design (positions of handles) must be finite")
         return [
             min(max(float(value), own["low"]), own["high"])
             for own, value in zip(numbers, given, strict=True)
@@ -160,7 +162,9 @@ class Session:
     def _view(self, message) -> None:
         step = message.get("step")
         if not isinstance(step, int) or isinstance(step, bool) or not 0 <= step < 10**6:
-            raise RequestError("step must be the number of a load step")
+            raise RequestError(
+                "the load step to show (step) must be the number of a load step of the analysis"
+            )
         # the last one is that of any path
         self.step = step if step < self.scene["steps"] - 1 else None
         self._look = True
@@ -187,7 +191,9 @@ class Session:
                 "the exact analysis of this design has not finished; keep the design afterwards"
             )
         if len(self.kept) == MOST_KEPT:
-            raise RequestError(f"at most {MOST_KEPT} designs can be kept; remove one of them first")
+            raise RequestError(
+                f"at most {MOST_KEPT} designs can be kept for comparison; remove one of them first"
+            )
         used = {own["name"] for own in self.kept}
         name = next(letter for letter in "ABCDEFGH" if letter not in used)
         parts = {key: exact[key] for key in ("design", "measures", "curves")}
@@ -198,7 +204,7 @@ class Session:
     def _one_kept(self, message) -> dict:
         found = [own for own in self.kept if own["name"] == message.get("name")]
         if not found:
-            raise RequestError("there is no kept design of that name")
+            raise RequestError("none of the designs kept for comparison has this name")
         return found[0]
 
     def _drop(self, message) -> None:
@@ -236,29 +242,38 @@ class Session:
             if not isinstance(names, list) or not all(
                 isinstance(name, str) and name in known for name in names
             ):
-                raise RequestError(f"{key} must be a list of edges of the section")
+                raise RequestError(
+                    f"the edges that may move ({key}) must be a list of edges of the section"
+                )
         parameters, bound = message.get("parameters"), message.get("bound")
         if not isinstance(parameters, int) or not 1 <= parameters <= MOST_PARAMETERS:
             raise RequestError(
-                f"the number of parameters of an edge must be 1 to {MOST_PARAMETERS}"
+                f"the number of design parameters of an edge must be 1 to {MOST_PARAMETERS}"
             )
         if not _is_number(bound) or bound <= 0.0:
-            raise RequestError("the largest offset must be a positive number (mm)")
+            raise RequestError("the largest offset of an edge must be a positive number (mm)")
         aim, limits = message.get("minimize") or None, message.get("limits")
         offered = self.scene["offered"]["measures"]
         if aim is not None and aim not in offered:
-            raise RequestError("the objective must be one of the listed measures")
+            raise RequestError(
+                "the objective of the optimisation must be one of the listed measures"
+            )
         if not isinstance(limits, list) or len(limits) > MOST_LIMITS:
-            raise RequestError(f"limits must be a list of at most {MOST_LIMITS}")
+            raise RequestError(
+                f"the limits of the optimisation must be a list of at most {MOST_LIMITS} limits"
+            )
         for own in limits:
             if not isinstance(own, dict) or own.get("measure") not in offered:
-                raise RequestError("every limit must be on one of the listed measures")
+                raise RequestError(
+                    "every limit of the optimisation must apply to one of the listed measures"
+                )
             sides = [own.get("lower"), own.get("upper")]
             if not all(side is None or _is_number(side) for side in sides) or not any(
                 side is not None for side in sides
             ):
                 raise RequestError(
-                    "every limit needs a lower bound, an upper bound or both, as numbers"
+                    "every limit of the optimisation needs a lower bound, an upper bound or both, "
+                    "as numbers"
                 )
         limits = [{key: own.get(key) for key in ("measure", "lower", "upper")} for own in limits]
         stem = self.file.removesuffix(".toml").partition("_problem")[0]
@@ -409,11 +424,14 @@ class Session:
         self._waiting.clear()
         if self._fallen > RESTARTS:
             self.job = None
-            self.failure = f"the worker process ended {self._fallen} times; open the file again"
+            self.failure = (
+                f"the process that analyses the seal ended unexpectedly {self._fallen} times; open "
+                "the seal file again"
+            )
             self._broadcast("status", self.status())
             return
         self.worker.start()
-        text = "the worker process ended unexpectedly and is restarted"
+        text = "the process that analyses the seal ended unexpectedly and is restarted"
         self._broadcast("failed", {"job": self.job, "text": text})
         self._begin("open", path=str(self.project.path(self.file)), chosen=self._chosen)
         self._broadcast("status", self.status())

@@ -137,7 +137,10 @@ class Workbench:
             For a wrong count, or values out of their ranges.
         """
         if len(design) != len(self.numbers):
-            raise ValueError(f"a design must have {len(self.numbers)} numbers, got {len(design)}")
+            raise ValueError(
+                f"a design must have {len(self.numbers)} numbers, one per handle of the page, got "
+                f"{len(design)}"
+            )
         count, parameters = self.seal.n_offsets, {}
         for own, value in zip(self.numbers, design, strict=True):
             if not own.low <= value <= own.high:

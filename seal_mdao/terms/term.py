@@ -304,9 +304,10 @@ class Term:
         """Zero seeds of measures on what they may take from the term: an object with ``used``, ``put``
         and ``times``, as ``PointSeeds``."""
         raise ValueError(
-            f"a measure uses the force or an output of the term {self.label!r}, but its class "
-            f"{type(self).__name__} does not define the method no_seeds, which derivatives of such "
-            "a measure need; define it (as PointTerm does), or leave the measure out"
+            f"a measure uses the force or an output of the load or contact (term) {self.label!r}, "
+            f"but the class {type(self).__name__} does not define the method no_seeds, which "
+            "derivatives of such a measure need; define no_seeds (as PointTerm does), or leave out "
+            "the measure"
         )
 
 

@@ -77,9 +77,9 @@ class StudyRecord:
             different = [key for key, value in settings.items() if there.get(key, value) != value]
             if different:
                 raise StudyFileError(
-                    f"{self.path} was written by a study with another {different[0]}; continue "
-                    "with the same settings, choose another folder (--out), or replace the study "
-                    "(--overwrite)"
+                    f"{self.path} was written by a tolerance study with another {different[0]}; "
+                    "continue with the same settings, choose another folder (--out), or replace "
+                    "the study (--overwrite)"
                 )
             for name, columns in tables.items():
                 self._file.execute(f"CREATE TABLE IF NOT EXISTS {name} ({columns})")
@@ -95,8 +95,8 @@ class StudyRecord:
             if name.lower() in known:
                 raise StudyFileError(
                     f"{self.path}: the parameters or measures {known[name.lower()]!r} and {name!r} "
-                    "differ only in upper and lower case, which SQL does not distinguish; rename "
-                    "one"
+                    "differ only in upper and lower case, which the database does not distinguish; "
+                    "rename one of them"
                 )
             known[name.lower()] = name
         return ", ".join(f"{_quoted(name)} {kind}" for name, kind in (first | further).items())

@@ -83,7 +83,8 @@ class Tolerances:
         dimensions = n_numbers + (seal.n_offsets if self.boundary is not None else 0)
         if dimensions == 0:
             raise ValueError(
-                "no tolerance is given; add a tolerance of a parameter or of the boundary"
+                "the set of manufacturing tolerances is empty; add a tolerance of a parameter or "
+                "of the boundary"
             )
         # inverse transform sampling: x = F^(-1)(u)
         shares = np.clip(_unit_samples(dimensions, count, method, seed), TINY, 1.0 - TINY)

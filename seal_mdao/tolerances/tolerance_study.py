@@ -125,8 +125,8 @@ class ToleranceStudy:
         outcome = replace(self.task, derivatives=True).run(self.boundary, parameters)
         if outcome.failure:
             raise LoadPathError(
-                "the analysis with all parameters at the middle of their tolerances failed: "
-                f"{outcome.failure}"
+                "the analysis of the seal with all parameters at the mean values of their "
+                f"tolerances failed: {outcome.failure}"
             )
         # dm/dn = dm/dp dp/dn
         by_number = outcome.gradient[:, n:] @ middle.rates(0, self.nominal)[1]

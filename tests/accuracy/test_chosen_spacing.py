@@ -79,7 +79,7 @@ def test_all_distances_are_multiplied(tmp_path):
     ("names", "text"),
     [
         (["force"], "unknown measure 'force'; known are reaction"),
-        ([], "the file has no measure whose"),
+        ([], "the seal file has no measure whose"),
     ],
 )
 def test_wrong_names(names, text, tmp_path):
@@ -90,7 +90,7 @@ def test_wrong_names(names, text, tmp_path):
 def test_nothing_to_estimate():
     none = ErrorEstimate(np.ones(1), None, None, np.zeros(1), 1.0, "the path ends early")
     with pytest.raises(
-        ValueError, match="no discretisation error can be estimated: the path ends early"
+        ValueError, match="error of the results cannot be estimated: the path ends early"
     ):
         Cloud(None, None, {"reaction": none}).worst(["reaction"])
 

@@ -112,8 +112,10 @@ def test_the_other_branch_says_where_it_is_unstable(swayed, upright):
     first = upright.critical_points[0]
     assert first.travel == pytest.approx(swayed.critical_points[0].travel, abs=0.1)
     assert (first.moved, first.released) == (0.0, 0.0)
-    assert "stays on that branch" in first.text
-    assert any("not stable at the end" in text for text in upright.warnings)
+    assert "on, and the analysis follows this unstable branch" in first.text
+    assert any(
+        "the equilibrium at the end of the analysis is not" in text for text in upright.warnings
+    )
     assert not any("not stable" in text for text in swayed.warnings)
 
 

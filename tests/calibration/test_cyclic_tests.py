@@ -191,15 +191,16 @@ def with_stress(stretch, stress):
 
 ELASTIC = nominal_stress(YEOH, MODES["uniaxial"], LOOPS)
 REFUSED = {
-    "no unloading": (made(YEOH, stretch=np.linspace(1.1, 2.0, 9)), "no mode has an unloading"),
-    "no softening": (with_stress(LOOPS, ELASTIC), "r of the softening is not determined"),
+    "no unloading": (made(YEOH, stretch=np.linspace(1.1, 2.0, 9)), "tests contains an unloading"),
+    "no softening": (with_stress(LOOPS, ELASTIC), "r of the Mullins softening is not determined"),
     "plateau alone": (
         made(YEOH, OgdenRoxburgh(2.0, 0.01, 0.0)),
-        "m and beta of the softening are not determined: .* beginning of the unloading",
+        "m and beta of the Mullins softening are not determined: .* beginning of the unloading",
     ),
     "too few below": (
         made(YEOH, stretch=np.array([1.2, 1.4, 1.6, 1.8, 1.7, 1.0])),
-        "1 unloading or reloading readings .below the largest stretch before. are too few for the 2",
+        "1 readings during unloading or reloading .below the largest earlier stretch. are too few "
+        "for the 2",
     ),
     "too few of the law": (
         made(YEOH, stretch=np.array([1.3, 1.6, 1.5, 1.4, 1.3, 1.2])),

@@ -111,7 +111,7 @@ def test_parameters_at_their_bounds_are_named(seal, exact):
         (np.full(14, np.nan), ("c10",), "must be 14 finite numbers"),
         (np.ones(14), ("c11",), "unknown parameter 'c11'; the parameters are c10"),
         (np.ones(14), ("c10", "c10"), "none twice; got c10, c10"),
-        (np.ones(14), (), "name at least one parameter to identify, and none twice; got none"),
+        (np.ones(14), (), "at least one name, and none twice; got none"),
         (np.ones(14), ("expansion",), "expansion starts at zero"),
     ],
 )
@@ -178,11 +178,11 @@ def test_the_command_over_the_travel_of_closing_and_opening(tmp_path):
             "time_s,force_N_per_m",
             [[1, 2], [60, 2]],
             (),
-            "time = 60 s is beyond the end of the path at 20.5 s",
+            "time = 60 s is beyond the end of the analysis at 20.5 s",
         ),
         ("travel_mm,force_N_per_m", [[1, 2]], (), "a travel of 1 mm, but lid moves only 0.5 mm"),
         ("time_s,force_N_per_m", [[1, 2], [1, 3]], (), "line 3, column time_s: 1 is not above 1"),
-        ("time_s,force_N_per_m", [[0, 2]], (), "line 2, column time_s: 0 is not above 0"),
+        ("time_s,force_N_per_m", [[0, 2]], (), "line 2, column time_s: 0 must be above 0"),
         (
             "time_s,force_N_per_m",
             [[1, np.inf]],

@@ -12,7 +12,7 @@ GOOD = HEAD + "10,90\n1,100\n100,80\n"
 WARM = "time_s,force_N,temperature_degC\n"
 
 BAD = {
-    "empty": ("", "empty; it needs the line time_s,stress_kPa"),
+    "empty": ("", "empty; its first line must name the columns, time_s,stress_kPa"),
     "only a header": (HEAD, "no reading"),
     "no time": ("stress_kPa\n100\n", "line 1: there is no column 'time_s'"),
     "no force": ("time_s\n1\n", "no column 'stress_kPa' or 'force_N' or 'ratio'; the columns"),
@@ -93,7 +93,9 @@ def test_arrays_are_checked_as_files_are():
         relaxation_tests([([1.0, -1.0, 2.0], [3.0, 2.0, 1.0])])
     with pytest.raises(MaterialDataError, match="curve 2 has 1 times but 2 forces"):
         relaxation_tests([([1.0, 2.0, 3.0], [3.0, 2.0, 1.0]), ([1.0], [3.0, 2.0])])
-    with pytest.raises(MaterialDataError, match="some curves have a temperature, others do not"):
+    with pytest.raises(
+        MaterialDataError, match="some relaxation curves have a temperature, others do not"
+    ):
         relaxation_tests(
             [([1.0, 2.0, 3.0], [3.0, 2.0, 1.0], 20.0), ([1.0, 2.0, 3.0], [3.0, 2.0, 1.0])]
         )

@@ -241,7 +241,7 @@ def test_layers_and_units_of_new_are_those_of_the_file(tmp_path, monkeypatch, ca
     document.saveas("box.dxf")
     with pytest.raises(SystemExit):
         main(["new", "box", "--from", "box.dxf"])
-    assert "the drawing has no units" in capsys.readouterr().err
+    assert "the drawing has no unit of length ($INSUNITS in its" in capsys.readouterr().err
     with_units = ["new", "box", "--from", "box.dxf", "--units", "cm", "--ignore", "frame 1"]
     assert main(with_units) == 0
     section = sm.read_seal_file("box.toml").section
@@ -359,8 +359,8 @@ def test_a_sweep_of_the_travel_from_away_through_zero(bulb, tmp_path):
     [
         ("0.1,0.2,0.1", "contains a value twice"), ("0.1,,0.2", "is neither FROM:TO:COUNT nor"),
         ("0.1,nan", "contains a number that is not finite"),
-        ("0.1:0.2:0", "has a COUNT outside of 1 to 200"),
-        (",".join(map(str, range(201))), "has a COUNT outside of 1 to 200"),
+        ("0.1:0.2:0", "must have a COUNT (number of values) from 1 to 200"),
+        (",".join(map(str, range(201))), "must have a COUNT (number of values) from 1 to 200"),
     ],
 )  # fmt: skip
 def test_wrong_values_of_a_sweep_are_named(given, message, capsys):
@@ -579,7 +579,7 @@ def test_animation_has_a_frame_for_every_step(bulb, tmp_path, name):
 
 
 def test_formats_of_animations(tmp_path, monkeypatch):
-    with pytest.raises(ValueError, match="unknown format of animation"):
+    with pytest.raises(ValueError, match="unknown file format of an animation; the name must"):
         check_format(tmp_path / "close.avi")
     monkeypatch.setattr("seal_mdao.plotting.animation.writers.is_available", lambda name: False)
     with pytest.raises(ValueError, match="needs the program ffmpeg"):
@@ -697,7 +697,7 @@ def test_what_an_optimisation_lacks_is_said_before_load_steps_are_chosen(
     with pytest.raises(SystemExit) as ended:
         main(["optimize", str(bulb), "--out", str(tmp_path)])
     assert ended.value.code == 2
-    assert "contains an earlier run" in capsys.readouterr().err
+    assert "contains an earlier optimisation" in capsys.readouterr().err
     bulb.write_text(text[: text.index("[optimize]")], encoding="utf-8")
     assert main(["optimize", str(bulb), "--out", str(tmp_path / "out")]) == 2
     assert "[optimize] is missing" in capsys.readouterr().err
@@ -710,7 +710,7 @@ def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, ca
     with pytest.raises(SystemExit) as ended:
         main(["compare", str(bulb), "--out", str(tmp_path)])
     assert ended.value.code == 2
-    assert "there is no [[profile]]" in capsys.readouterr().err
+    assert "the seal file has no [[profile]]" in capsys.readouterr().err
 
 
 @pytest.mark.filterwarnings("default")

@@ -25,7 +25,10 @@ def test_every_command_checks_the_parameters_of_tolerances(file, capsys):
     file.write_text(QUICK + SHIFTED.format("door_travel"), encoding="utf-8")
     assert main(["check", str(file)]) == 2
     said = capsys.readouterr().err
-    assert "[tolerance.vary.door_travel]: door_travel cannot have a tolerance" in said
+    assert (
+        "[tolerance.vary.door_travel]: the parameter door_travel cannot have a manufacturing tolerance"
+        in said
+    )
     assert "door_y" in said
     file.write_text(QUICK + SHIFTED.format("dor_y"), encoding="utf-8")
     assert main(["check", str(file)]) == 2

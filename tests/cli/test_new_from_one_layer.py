@@ -32,7 +32,10 @@ def test_edges_between_corners_get_layers_of_their_own(tmp_path, monkeypatch, ca
     draw("bulb.dxf", inside=inside, centre_line=inside == "profile")
     assert main(["new", "mine", "--from", "bulb.dxf"]) == 0
     names = ("base", "edge_1", "edge_2", "edge_3", "edge_4", "edge_5", "hole_1")
-    assert f"on a separate layer: {', '.join(names)}" in capsys.readouterr().out
+    assert (
+        f"with one layer for every edge between two corners: {', '.join(names)}"
+        in capsys.readouterr().out
+    )
     file = sm.read_seal_file("mine.toml")
     outline = file.section.outline
     assert outline.edge_names == names

@@ -105,7 +105,7 @@ def test_offsets_are_described_for_every_kind_of_seal(system, problem, short):
     made = problem(system(seal=short, **more))
     made.final_setup()
     (found,) = made.model.get_io_metadata("input", ["desc"], includes="*boundary_offsets").values()
-    for words in ("Door seal", "sections from outlines", "normals"):
+    for words in ("door seal", "along the normals of the nominal boundary"):
         assert words in found["desc"]
 
 
@@ -353,9 +353,7 @@ def test_no_measure_at_all_is_refused(problem, short, group):
             "scenarios": sm.Scenarios((sm.Variation("friction"),), [[0.2], [0.3]]),
             "workers": 0,
         }
-    with pytest.raises(
-        ValueError, match="no measure has a value, so the component would have no output"
-    ):
+    with pytest.raises(ValueError, match="none of the measures has a value for this seal"):
         problem(group(seal=short, measures=[], **more))
 
 

@@ -118,7 +118,7 @@ def test_branches_on_real_parts():
     (lambda pressure, a: abs(a * pressure), {"a": 0.3}, "with respect to pressure is wrong"),
     (lambda pressure, a: a if pressure > 1.0 else 0.0, {"a": 0.3}, "cannot be compiled"),
     (lambda pressure, a: -a * pressure, {"a": 0.3}, "at least 0 kPa"),
-    (lambda pressure, a: a * pressure, {}, "friction law .* needs a value of the constant 'a'"),
+    (lambda pressure, a: a * pressure, {}, "friction law .* has no value of its constant 'a'"),
     (lambda pressure, a: a * pressure, {"a": 0.3, "b": 1.0}, "has no constant 'b'; it has a"),
     (lambda pressure, a: a * pressure, {"a": np.nan}, "a of the friction law"),
     (lambda pressure, law: law * pressure, {"law": 1.0}, "the name 'law' of a constant is reserved"),

@@ -50,7 +50,7 @@ def test_its_path_is_that_of_the_accurate_door_seal(tmp_path, accuracy, points):
 
 def test_too_few_layers_are_refused_when_the_file_is_read(tmp_path):
     with pytest.raises(
-        SealFileError, match=r"layers = 2 with the accuracy 'engineering'.*at least 3"
+        SealFileError, match=r"layers = 2 is too small: the accuracy 'engineering' needs at least 3"
     ):
         file_with(tmp_path, "rays = { rays = 58, layers = 2 }")
     with pytest.raises(SealFileError, match="accuracy"):

@@ -154,7 +154,8 @@ def test_what_is_no_such_extension(install, tmp_path, kind, name, old, words):
     ("stiffness = 300.0", "", "[[term]] 1: the key 'stiffness' is missing"),
     ('type = "ellipse"', 'type = "elipse"', "shape: type = 'elipse', but it must be one of ellipse"),
     ('"elastic_foundation"', '"foundation"', "type = 'foundation', but it must be one of elastic_f"),
-    ("start = [0.1", "line = [[0, 0], [1, 0]]\nstart = [0.1", "line and shape are given together"),
+    ("start = [0.1", "line = [[0, 0], [1, 0]]\nstart = [0.1", "the keys line and shape both define "
+    "the curve"),
 ])  # fmt: skip
 def test_wrong_values_of_extensions(tmp_path, old, new, words):
     assert words in message(tmp_path, old, new)
@@ -163,7 +164,7 @@ def test_wrong_values_of_extensions(tmp_path, old, new, words):
 def test_register_refuses_what_seal_files_could_not_use():
     with pytest.raises(ValueError, match="kind must be one of friction_laws, materials"):
         sm.register("laws", "mine", lambda pressure: pressure)
-    with pytest.raises(ValueError, match="must be an identifier, got 'my law'"):
+    with pytest.raises(ValueError, match="be a Python identifier, got 'my law'"):
         sm.register("friction_laws", "my law", lambda pressure: pressure)
     with pytest.raises(ValueError, match="must be a dataclass that derives from Measure, got int"):
         sm.register("measures", "mine", int)
@@ -247,8 +248,8 @@ def test_wrong_fields_of_a_measure(odd, tmp_path, line, words):
 def test_a_field_that_every_table_has_is_refused(odd, tmp_path):
     found = message(tmp_path, HIGHEST, 'type = "taken"')
     assert found == (
-        "[[measure]] 1: Taken: the name of the field 'check' is reserved, because every such table has "
-        "a key or attribute of this name; rename the field"
+        "[[measure]] 1: the class Taken cannot be used in seal files, because the name of its "
+        "field 'check' is reserved for a key of its table; rename the field"
     )
     # what no table can give, and has a default, is left to it
     assert read(tmp_path, HIGHEST, 'type = "untold"').measures[0].measure(None).gaps is None

@@ -111,17 +111,17 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"pivot": (0.0, 0.0, 1.0)}, r"pivot .* must have shape \(2,\)"),
         (
             {"fractions": (0.5, 1.0, 0.5, 1.0)},
-            r"fractions must increase to 1 in every stage of \[2, 3\]",
+            r"at which load steps end must increase to 1 in every stage of \[2, 3\]",
         ),
         ({"fractions": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
         ({"fractions": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
         ({"clearance": (1.0,)}, r"clearance .* must have shape \(2,\)"),
         (
             {"clearance": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
-            "must point against its first displacement",
+            "must point against the first displacement of the motion",
         ),
         ({"names": ("a",)}, r"rates .* 1 parameter\(s\) must have shape \(1, 3, 3\)"),
-        ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "needs a different name"),
+        ({"names": ("a", "a"), "rates": np.zeros((2, 3, 3))}, "must have different names"),
     ],
 )
 def test_what_does_not_fit_is_refused(changes, message):
@@ -132,7 +132,7 @@ def test_what_does_not_fit_is_refused(changes, message):
 
 def test_places_outside_the_motion_are_refused():
     for fraction in (-0.1, 5.1):
-        with pytest.raises(ValueError, match="outside of the motion, which has 5 steps"):
+        with pytest.raises(ValueError, match="end of the motion, which has 5 steps"):
             Motion(**GOOD).pose(fraction)
     with pytest.raises(ValueError, match="at least one stage"):
         staged_motion([])

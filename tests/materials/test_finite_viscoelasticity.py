@@ -77,7 +77,7 @@ def test_shifts_over_the_temperature():
 
 @pytest.mark.parametrize(
     ("g", "tau", "words"),
-    [((0.5, 0.5), (1.0, 2.0), "sum"), ((0.5,), (1.0, 2.0), "one tau"), ((), (), "at least one"),
+    [((0.5, 0.5), (1.0, 2.0), "sum"), ((0.5,), (1.0, 2.0), "one relaxation"), ((), (), "at least one"),
      ((-0.1,), (1.0,), "negative"), ((0.1,), (0.0,), "above 0"), ((0.1,), (np.inf,), "finite")],
 )  # fmt: skip
 def test_impossible_series_are_refused(g, tau, words):

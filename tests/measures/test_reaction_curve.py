@@ -149,7 +149,7 @@ def test_a_travel_within_rounding_of_the_path_is_its_end():
 @pytest.mark.parametrize("travel", [-0.1, 7.0, np.nan])
 def test_travels_beyond_the_path_are_refused(travel):
     motion = Motion([(0.0, 1.0), (0.0, -1.0)], [0.0, 0.0], [3])
-    with pytest.raises(ValueError, match="is outside of the motion, whose path"):
+    with pytest.raises(ValueError, match="mm is beyond the end of the motion, which is at a"):
         motion.at_travel(travel)
 
 

@@ -202,7 +202,7 @@ def test_what_has_no_wall_is_refused():
     ring = Ring(20)
     with pytest.raises(ValueError, match="deficit of 'wall_thickness'"):
         WallThickness(deficit=1.0)
-    with pytest.raises(ValueError, match="edges and opposite belong together"):
+    with pytest.raises(ValueError, match="needs both edges and opposite, the two sides of a"):
         WallThickness(edges=("outside",))
     with pytest.raises(ValueError, match="outside and outside share a point"):
         WallThickness(("outside",), ("outside",)).distances(ring.body, ring.particles)

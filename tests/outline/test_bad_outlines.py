@@ -20,7 +20,7 @@ def two_lobes():
 
 
 BAD = {
-    "no length": (lambda: Line((1, 1), (1, 1)), "a line has zero length, because both ends are (1, 1)"),
+    "no length": (lambda: Line((1, 1), (1, 1)), "a line of the boundary has zero length, because"),
     "not a pair": (lambda: Line((1, 1), (1, 1, 2)), "last must be a point [x, y], got (1, 1, 2)"),
     "text": (lambda: Line((1, 1), "ab"), "last must be a point [x, y], got 'ab'"),
     "number": (lambda: Line(3.0, (1, 1)), "first must be a point [x, y], got 3.0"),
@@ -49,20 +49,20 @@ BAD = {
     ),
     "no segment": (lambda: Contour([]), "a contour needs at least one segment, got []"),
     "no list of segments": (lambda: Contour(BASE), "a contour needs at least one segment, got Line"),
-    "no segment at all": (lambda: Contour([BASE, "arc"]), "segment 2 must be a line, arc, circle or"),
-    "no name": (lambda: Contour([Circle((0, 0), 1.0)]), "segment 1 needs the name of its edge"),
+    "no segment at all": (lambda: Contour([BASE, "arc"]), "segment 2 of the boundary must be a line"),
+    "no name": (lambda: Contour([Circle((0, 0), 1.0)]), "segment 1 of the boundary needs the name"),
     "open": (
         lambda: Contour([BASE, BACK]),
-        "the contour is open: segment 2 (edge 'seal') ends at (2, 3) but segment 1 (edge 'base') "
-        "begins at (0, 0), 3.61 mm away",
+        "the contour is open: segment 2 (edge 'seal') ends at (2, 3), but the next segment 1 "
+        "(edge 'base') begins at (0, 0), 3.61 mm away",
     ),
     "gap": (
         lambda: Contour([BASE, Line((4.1, 0), (0, 3), "seal"), Line((0, 3), (0, 0), "seal")]),
-        "segment 1 (edge 'base') ends at (4, 0) but segment 2 (edge 'seal') begins at (4.1, 0), 0.1",
+        "segment 1 (edge 'base') ends at (4, 0), but the next segment 2 (edge 'seal') begins at (4.1,",
     ),
     "there and back": (
         lambda: Contour([BASE, Line((4, 0), (0, 0), "seal")]),
-        "segment 1 (edge 'base') and segment 2 (edge 'seal') fold back on each other at (4, 0)",
+        "segment 1 (edge 'base') and segment 2 (edge 'seal') overlap at (4, 0)",
     ),
     "speck": (
         lambda: lines([(0.0, 0.0), (10.0, 0.0), (10.0, 1e-4), (0.0, 10.0)]),
@@ -117,7 +117,7 @@ BAD = {
             s.named(name)
             for s, name in zip(lines(SQUARE).segments, ["a", "b", "a", "c"], strict=True)
         ])),
-        "the edge 'a' is in two parts on the outer contour; an edge is one connected part",
+        "the edge 'a' is in two parts on the outer contour; an edge must be one connected part",
     ),
 }  # fmt: skip
 

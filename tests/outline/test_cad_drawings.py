@@ -201,8 +201,9 @@ def test_curved_parting_lines_are_followed_by_straight_sides(tmp_path):
     ([((0, 2), (9.99, 2))], "ends at (9.99, 2), 0.01 mm away from the boundary"),
     ([((0, 2), (5, 2)), ((5, 2), (10, 2)), ((5, 2), (5, 10))], "3 ends of parting lines meet at (5, 2)"),
     ([((2, 2), (3, 2)), ((3, 2), (3, 3)), ((3, 3), (2, 2))], "is part of a closed parting line"),
-    ([((0, 0), (0, 10))], "the parting line from (0, 0) to (0, 10) does not run through the section"),
-    ([((0, 7), (10, 7)), ((0, 5), (10, 9))], "parting lines 1 and 3 cross at (5, 7)"),
+    ([((0, 0), (0, 10))], "the parting line from (0, 0) to (0, 10) between two materials does not run"),
+    ([((0, 7), (10, 7)), ((0, 5), (10, 9))], "the lines 1 and 3 between materials (parting lines) "
+    "cross at (5, 7)"),
     ([((0, 6.005), (10, 6.005))],
      "crosses at (6, 6.005) on hole 1, 0.005 mm away from (6, 6), where segments of the boundary meet"),
 ])  # fmt: skip
@@ -220,7 +221,7 @@ def test_parting_lines_that_divide_nothing_are_refused(tmp_path, lines, words):
 def test_layers_that_the_drawing_does_not_have_are_refused(tmp_path, key):
     path = Drawing(tmp_path).box().saved()
     with pytest.raises(
-        GeometryError, match=f"{key} = 'sael', but there is no such layer.*; the layers are"
+        GeometryError, match=f"{key} = 'sael', but the drawing has no such layer.*; its layers are"
     ):
         read_drawing(path, **{key: ["sael"]})
 
@@ -232,7 +233,7 @@ def test_a_misspelt_layer_is_suggested_among_those_with_entities(tmp_path):
     with pytest.raises(GeometryError) as caught:
         read_drawing(drawing.saved(), parting=["PARTNG"])
     assert "(did you mean 'PARTING'?)" in str(caught.value)
-    assert str(caught.value).endswith("the layers are seal, PARTING")
+    assert str(caught.value).endswith("; its layers are seal, PARTING")
 
 
 def test_an_ignored_frame_is_no_outline(tmp_path):

@@ -57,7 +57,9 @@ def test_report_after_run_driver(reports_on, capsys):
 
 def test_report_needs_a_recorder(reports_on):
     problem = seal_problem_of_a_user(recorder=False)
-    with pytest.warns(om.DriverWarning, match="needs a SQLite recorder"):
+    with pytest.warns(
+        om.DriverWarning, match="the OpenMDAO report 'seal' needs an SQLite recorder"
+    ):
         problem.run_driver()
     assert not list(Path().rglob("seal_report.html"))
 

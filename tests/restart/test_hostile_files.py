@@ -173,7 +173,9 @@ def test_only_tables_are_read(cases, statements):
 
 def test_metadata_of_two_models_are_refused(cases):
     change(cases, "INSERT INTO metadata SELECT * FROM metadata")
-    with pytest.raises(ValueError, match="its table 'metadata' has 2 rows, not one"):
+    with pytest.raises(
+        ValueError, match="the table 'metadata' of the recorder file has 2 rows, not one"
+    ):
         read_optimization(cases)
 
 
@@ -221,7 +223,7 @@ def test_metadata_that_unpack_without_end(cases):
 def test_journal_that_names_another_file(cases):
     """SQLite would delete that file when it rolls the journal back."""
     Path("cases.sql-journal").write_bytes(bytes(100) + TWO_FILES)
-    with pytest.raises(ValueError, match="the SQLite journal of"):
+    with pytest.raises(ValueError, match="has an SQLite journal of a transaction over several"):
         read_optimization(cases)
 
 

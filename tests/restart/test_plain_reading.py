@@ -53,7 +53,7 @@ def test_pickle_in_the_place_of_derivatives_is_refused(cases, pickled):
 def test_old_format_with_more_pickles_is_refused(cases):
     put(cases, "metadata", "format_version", 2)
     put(cases, "metadata", "abs2prom", pickle.dumps(Bomb()))
-    with pytest.raises(ValueError, match=r"cases\.sql.*format 2 is older"):
+    with pytest.raises(ValueError, match=r"cases\.sql.*format 2 of the recorder file is older"):
         open_model(cases)
     assert not (cases.parent / "exploded").exists()
 

@@ -269,7 +269,7 @@ def test_start_comes_from_the_file(make_driver):
     assert designs()[0].tolist() == [0.3, -0.7, 0.1]
     assert problem.driver.reused_evaluations > 0
     elsewhere = valley_problem(make_driver(hotstart_file="./cases.sql"))
-    with pytest.raises(ValueError, match="start from other values than those recorded"):
+    with pytest.raises(ValueError, match="the initial values of the design variables differ"):
         elsewhere.run_driver()
 
 
@@ -277,7 +277,9 @@ def test_other_model_is_noticed(make_driver):
     cut_run(make_driver, 5)
     problem = valley_problem(make_driver(), steep=20.001)
     sm.restart(problem, "./cases.sql")
-    with pytest.raises(ValueError, match=r"recorded with another model: at the start .*valley\.f"):
+    with pytest.raises(
+        ValueError, match=r"recorded with another model: at the initial design.*valley\.f"
+    ):
         problem.run_driver()
 
 

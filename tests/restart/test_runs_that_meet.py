@@ -40,7 +40,9 @@ def test_two_restarts_of_one_file_do_not_interleave(make_driver, finished):
     before = contents(finished)
     lock = claim(finished)
     try:
-        with pytest.raises(RecorderBusyError, match=r"another run is writing .*cases\.sql"):
+        with pytest.raises(
+            RecorderBusyError, match=r"another process is writing the recorder file .*cases\.sql"
+        ):
             first.run_driver()
     finally:
         lock.release()

@@ -97,7 +97,7 @@ def test_the_place_of_the_thinnest_wall_is_told(run_script, tmp_path, capsys):
     said = f"wall_thickness = {found['value']:.6g} mm, at x = {x:.3g}, y = {y:.3g} undeformed"
     shown_lines = capsys.readouterr().out
     assert said in shown_lines
-    assert "error by the contact penalties alone, estimated: at most " in shown_lines
+    assert "estimated numerical error due to the contact penalties alone: at most " in shown_lines
     shown = measures(result)
     assert shown["wall thickness, at x"] == ("mm", pytest.approx(x))
     assert shown["wall thickness, at y"] == ("mm", pytest.approx(y))

@@ -54,7 +54,7 @@ def test_run_into_the_folder_of_a_run_at_work_is_refused(tmp_path, run_script, c
         error = refused(run_script, capsys, "optimize_door_seal", tmp_path, *CHEAP)
     finally:
         lock.release()
-    assert "another run is writing" in error
+    assert "another process is writing the recorder file" in error
 
 
 @pytest.mark.parametrize(

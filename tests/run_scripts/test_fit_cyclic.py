@@ -139,7 +139,7 @@ def test_unloading_without_softening(fit_text, capsys):
     code, summary, _ = fit_text("".join([*rows[:10], *rows[8:0:-1]]))
     assert (code, summary) == (2, None)
     (line,) = capsys.readouterr().err.splitlines()
-    assert "cycles.csv: r of the softening is not determined" in line
+    assert "cycles.csv: the constant r of the Mullins softening is not determined" in line
 
 
 def test_a_seal_file_refuses_cycles_as_data(fit_text, tmp_path):

@@ -140,7 +140,7 @@ def test_unstable_constants_where_they_are_wanted(fit_script):
         (("--law", "yeoh", "--tau", "1"), "--tau is for relaxation tests (column time_s), but "),
         (("--law", "yeoh", "--ramp", "1"), "--ramp is for relaxation tests (column time_s), but "),
         (("--law", "yeoh", "--terms", "2"), "--terms is for ogden and hyperfoam"),
-        (("--law", "hyperfoam"), "needs the column lateral_stretch"),
+        (("--law", "hyperfoam"), "only to tests with the column lateral_stretch"),
         (("--law", "yeoh", "--name", "a b"), "got 'a b'"),
         (("--law", "yeoh", "--stretches", "8", "9"), "no reading has a stretch between 8 and 9"),
     ],

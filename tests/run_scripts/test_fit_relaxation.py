@@ -132,7 +132,7 @@ BAD = {
     "word": (HEAD + "1,much,23\n", "line 2, column stress_kPa: 'much' is not a number"),
     "NaN": (HEAD + "1,nan,23\n", "line 2, column stress_kPa: nan"),
     "too few": ("time_s,ratio\n1,1\n2,0.9\n", "2 different times are too few"),
-    "rises": ("time_s,ratio\n1,0.5\n2,0.6\n3,0.7\n4,0.8\n", "no relaxation found"),
+    "rises": ("time_s,ratio\n1,0.5\n2,0.6\n3,0.7\n4,0.8\n", "the test shows no stress relaxation"),
     "no force": ("time_s,stretch\n1,1.5\n", "there is no column 'stress_kPa' or 'force_N' or 'ratio'"),
 }  # fmt: skip
 
@@ -152,8 +152,12 @@ def test_bad_file_gets_one_line(fit_text, text, expected, capsys):
     [
         (("--law", "yeoh"), "--law is for tests of stress over stretch (column stretch), but "),
         (("--bulk-modulus", "8e4"), "--bulk-modulus is for tests of stress over stretch"),
-        (("--shift", "wlf"), "the shift wlf needs at least 3 temperatures, "),
-        (("--reference", "40"), "reference must be one of the tested temperatures (23), got 40"),
+        (("--shift", "wlf"), "shift wlf can be fitted only to tests at 3 or more temperatures, "),
+        (
+            ("--reference", "40"),
+            "the reference temperature of a relaxation fit must be one of the tested temperatures "
+            "(23), got 40",
+        ),
         (("--ramp", "-1"), "ramp must be a number of at least 0"),
         (("--tau", "-5"), "tau must be 1 to 12 positive numbers"),
         (("--terms", "13"), "terms must be an integer of at least 1 and at most 12"),

@@ -49,7 +49,7 @@ def test_headline_has_the_largest_gap_anywhere(tmp_path, run_script, capsys):
     assert "lies outside of the points at which gap_square_sum is evaluated" in text
     assert f"WARNING (last design): {text}" in said
     page = (tmp_path / "sum" / "report.html").read_text(encoding="utf-8")
-    assert "the opening has moved away from them" in page
+    assert "the gap region has moved away from these points" in page
     code, s = run_script("optimize_door_seal", tmp_path / "integral", *arguments, "--gap-integral")
     assert code == 0
     assert s["largest_gap_mm"]["end"] < 0.1 * gap["end"]

@@ -160,7 +160,7 @@ def test_history_is_drawn_from_the_recorder_file_alone(stopped, tmp_path, run_sc
     assert "section area: " in capsys.readouterr().out
     with pytest.raises(SystemExit):
         run_script("optimize_door_seal", tmp_path, "--restart", out / "cases.sql")
-    assert "does not contain the settings of a door seal" in capsys.readouterr().err
+    assert "does not contain the settings of the built-in door seal" in capsys.readouterr().err
 
 
 def test_a_continued_run_has_the_load_steps_that_were_chosen(

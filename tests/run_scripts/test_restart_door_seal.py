@@ -147,8 +147,8 @@ def test_files_that_cannot_be_continued(tmp_path, run_script, optimised, capsys)
     messages = {
         "text.sql": "not a file of an OpenMDAO recorder",
         "empty.sql": "not a file of an OpenMDAO recorder",
-        "other.sql": "does not contain the settings of a door seal",
-        "version.sql": "the recorded settings do not fit the door seal of this version",
+        "other.sql": "does not contain the settings of the built-in door seal",
+        "version.sql": "the recorded settings of a door seal are not valid",
         "nowhere.sql": "is not a file",
     }
     for name, message in messages.items():

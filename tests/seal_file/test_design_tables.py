@@ -133,7 +133,9 @@ def test_table_of_the_parameters_has_the_effect_of_every_kind(designed):
 def test_printed_table_of_the_parameters(designed, monkeypatch):
     found = design_parameters(designed[1])
     heading, columns, *rows = design_lines(found)
-    assert heading.startswith("6 design parameters (boundary_offsets), each for a value of +1 mm")
+    assert heading.startswith(
+        "6 design parameters (boundary_offsets); effect of an increase by 1 mm"
+    )
     assert len(rows) == 6
     # columns are aligned below their names
     at = columns.index("direction")
@@ -158,9 +160,18 @@ def test_number_of_parameters_with_a_mirror(tmp_path, closed, parameters, left):
 @pytest.mark.parametrize(
     ("kind", "text"),
     [
-        ("arc = [0.0, 10.0]", "it would move the edge 'right', which is fixed; in place of arc"),
-        ("vertex = [5.0, 5.0]", "it would move the edge 'right', which is fixed; choose a vertex"),
-        ('edges = ["crown"]\nparameters = 1', "the edge 'crown' needs at least 2 parameters"),
+        (
+            "arc = [0.0, 10.0]",
+            "the design parameter would move the edge 'right', which is fixed; in place of arc",
+        ),
+        (
+            "vertex = [5.0, 5.0]",
+            "the design parameter would move the edge 'right', which is fixed; choose a vertex",
+        ),
+        (
+            'edges = ["crown"]\nparameters = 1',
+            "the edge 'crown' needs at least 2 design parameters",
+        ),
     ],
 )
 def test_messages_name_the_table_and_the_remedy(tmp_path, kind, text):
@@ -266,17 +277,17 @@ def test_an_optimisation_is_continued_with_its_own_designs_only(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ('edges = ["crown"]', 'edges = ["crown"]\nvertex = [5.0, 5.0]', "it has edges and vertex"),
-        ("vertex = [5.0, 5.0]\n", "", "vertex and arc is needed, but it has none of them"),
+        ('edges = ["crown"]', 'edges = ["crown"]\nvertex = [5.0, 5.0]', "has edges and vertex"),
+        ("vertex = [5.0, 5.0]\n", "", "vertex and arc, but this one has none of them"),
         ("parameters = 3\n", "", "the key 'parameters' is missing"),
-        ("arc = [0.0, 8.0]", "arc = [0.0, 8.0]\nparameters = 3", "cannot be combined with arc"),
+        ("arc = [0.0, 8.0]", "arc = [0.0, 8.0]\nparameters = 3", "combined with edges, not with arc"),
         ('edges = ["crown"]', 'edges = ["crown", "left"]', "combined with several edges"),
         ('"x = 0"', '"z = 0"', 'it must be a plane of symmetry, such as "x = 0"'),
-        ('"x = 0"', '"x = 0.3"', r"no vertex is at \(-4.4, 5\)"),
+        ('"x = 0"', '"x = 0.3"', r"the boundary has no vertex at \(-4.4, 5\)"),
         ("arc = [0.0, 8.0]", WALL.replace("NAME", "base"), "which .fixed. already constrains"),
         ("arc = [0.0, 8.0]", WALL.replace("NAME", "bse"), "did you mean 'base'"),
         ("[[design]]", RAYS + "[[design]]", "1: between cannot be combined with rays"),
-        ("[5.0, 5.0]", "[5.0, 4.0]", r"no vertex is at \(5, 4\); the nearest one is at \(5, 5\)"),
+        ("[5.0, 5.0]", "[5.0, 4.0]", r"no vertex at \(5, 4\); the nearest vertex is at \(5, 5\)"),
     ],
 )  # fmt: skip
 def test_wrong_designs_are_refused(tmp_path, old, new, message):

@@ -284,9 +284,13 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
     ("old", "new", "word"),
     [
         ('"best.vtu"', '"none.vtu"', "none.vtu: there is no such file"),
-        ('"best.vtu"', '"best.dxf"', "the mesh cannot be read"),
-        ('cloud = "best.vtu"', 'cloud = "best.vtu"\nspacing = 1.0', "it has spacing and cloud"),
-        ('cloud = "best.vtu"', "spacing = 1.6", "places are indices of particles"),
+        ('"best.vtu"', '"best.dxf"', "the mesh file (cloud) cannot be read"),
+        ('cloud = "best.vtu"', 'cloud = "best.vtu"\nspacing = 1.0', "but has spacing and cloud"),
+        (
+            'cloud = "best.vtu"',
+            "spacing = 1.6",
+            "the key places contains indices of particles, which",
+        ),
         ("places = [", "places = [700, ", "places contains the index 700, but there are only"),
         ("places = [", "places = [-1, ", "a list of indices of particles, from 0"),
     ],

@@ -199,7 +199,7 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
         (
             "axial_stretch = 1.04",
             "axial_stretch = [1.0, 1.04]",
-            "has 2 numbers, but 'lid' has 1 stage; give one",
+            "has 2 numbers, but the motion of 'lid' has 1 stage; give one",
         ),
         ("temperature = 90.0", "temperature = -300.0", "above -273.15 and at most 1000"),
         (
@@ -281,7 +281,7 @@ def test_a_ring_has_no_axial_stretch(tmp_path):
 
 def test_a_temperature_that_changes_nothing_is_refused(tmp_path):
     given = LONG.replace(f"{HEATED_KEYS}\n", "")
-    with pytest.raises(sm.SealFileError, match="no material depends on it"):
+    with pytest.raises(sm.SealFileError, match="but no material depends on temperature; give a"):
         read(tmp_path, given)
 
 
@@ -292,7 +292,9 @@ def test_keys_that_need_a_temperature_are_refused_without_one(tmp_path, key, val
     keys = f"{key} = {value}\nswelling = 1.1"
     given = LONG.replace("temperature = 90.0\n", "").replace(HEATED_KEYS, keys)
     said = f"{key} = {value}".replace('"', "'")
-    words = re.escape(f"[material.rubber]: {said}, but [model] has no temperature")
+    words = re.escape(
+        f"[material.rubber]: {said}, which has no effect, because [model] has no temperature"
+    )
     with pytest.raises(sm.SealFileError, match=f"{words}.*; add temperature = 60"):
         read(tmp_path, given)
 

@@ -117,12 +117,14 @@ def test_a_curve_in_a_file_is_the_one_in_the_table(tmp_path):
         ("[2.0, 5.0, 9.0]", "[2.0, 5.0]", "value has 2 numbers, but travel has 3"),
         ("[2.0, 5.0, 9.0]", "[2.0, 0.0, 9.0]", "value contains a target force of 0"),
         ("[1.0, 0.5, 2.0]", "[1.0, 0.5]", "weight has 2 numbers, but travel has 3"),
-        ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "all numbers of weight are zero"),
+        ("[1.0, 0.5, 2.0]", "[0.0, 0.0, 0.0]", "all weights of the target forces are zero; at least"),
         ("[1.0, 0.5, 2.0]", "[1.0, -0.5, 2.0]", "weight = .*numbers of at least 0"),
-        ("0.8, 1.1]", "0.8, 3.1]", "travel = 3.1, but the path of the profile 'door' is only 1.6"),
-        ("weight =", 'data = "cld.csv"\nweight =', "data and travel with value are given together"),
-        ("upper = [3.0, 20.0]", "upper = [3.0, 20.0, 1.0]", "lower has 2 numbers, but upper has 3"),
-        ("upper = [3.0, 20.0]", "upper = [3.0, 2.0]", "lower = 4 is above upper = 2"),
+        ("0.8, 1.1]", "0.8, 3.1]", "travel = 3.1, but the total travel of the profile 'door' is "
+        "only 1.6"),
+        ("weight =", 'data = "cld.csv"\nweight =', "the target curve is given twice, by data and by"),
+        ("upper = [3.0, 20.0]", "upper = [3.0, 20.0, 1.0]", "2 numbers, but the upper limits"),
+        ("upper = [3.0, 20.0]", "upper = [3.0, 2.0]", "the lower limit lower = 4 is above the "
+        "upper limit upper = 2"),
         (
             'measure = "curve"', 'measure = "fit"',
             r"constraint\]\] 1: lower has 2 numbers, but the measure 'fit' has 1 value$",
@@ -139,11 +141,11 @@ def test_what_is_wrong_is_told_before_any_analysis(tmp_path, old, new, message):
     ("content", "message"),
     [
         (None, "cld.csv: cannot be read: No such file"),
-        ("travel,force\n1,2\n", "the first line must name the columns travel_mm,force"),
+        ("travel,force\n1,2\n", "the first line of a target curve must name the columns"),
         ("travel_mm,force\n", "0 readings"),
-        ("travel_mm,force\n1;2\n", "line 2: the line must have two numbers"),
-        ("travel_mm,force\n1,nan\n", "line 2: the line must have two numbers"),
-        ("travel_mm,force\n1,1_0\n", "line 2: the line must have two numbers"),
+        ("travel_mm,force\n1;2\n", "line 2: the line of a target curve must have two numbers"),
+        ("travel_mm,force\n1,nan\n", "line 2: the line of a target curve must have two numbers"),
+        ("travel_mm,force\n1,1_0\n", "line 2: the line of a target curve must have two numbers"),
     ],
 )
 def test_wrong_files_of_targets_are_refused(tmp_path, content, message):

@@ -80,7 +80,7 @@ def test_endless_files_are_not_read(tmp_path, key):
 def test_files_larger_than_any_drawing_are_not_read(tmp_path, key):
     with (tmp_path / "large.vtu").open("wb") as file:
         file.truncate(LARGEST_FILE + 1)
-    assert "is larger than 256 MiB" in refused(tmp_path, key, "large.vtu")
+    assert "is larger than the limit of 256 MiB" in refused(tmp_path, key, "large.vtu")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
@@ -95,7 +95,7 @@ def test_seal_file_that_is_endless(tmp_path):
 @pytest.mark.parametrize("name", ["other.xdmf", "other.XMF", "other.inp"])
 def test_mesh_in_several_files_is_refused(tmp_path, name):
     (tmp_path / name).write_text("*IN*CLUDE, INPUT=/dev/zero\n")
-    assert "the mesh refers to other files" in refused(tmp_path, "cloud", name)
+    assert "the mesh file (cloud) refers to other files, which" in refused(tmp_path, "cloud", name)
 
 
 NUMBERS = [match.span() for match in re.finditer(r"(?<![\w.])-?\d+(\.\d+)?", BULB)]

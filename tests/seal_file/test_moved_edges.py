@@ -211,12 +211,12 @@ WRONG = {
     "unknown edge": (MOVED.replace('"top"', '"topp"'), "no such edge (did you mean 'top'?)"),
     "fixed and moved": (
         MOVED.replace('"top"', '"base"'),
-        "has 'base', which [fixed] already constrains",
+        "contains the edge 'base', which [fixed] already constrains",
     ),
     "fixed and glued": (GLUED.replace('["top"]', '["base"]'), "which [fixed] already constrains"),
     "moved and glued": (
         MOVED + ALSO_ON_TOP,
-        "glued has 'top', which [[moved]] 1 ('top') already constrains",
+        "the list glued contains the edge 'top', which [[moved]] 1 ('top') already constrains",
     ),
     "glued and in contact": (
         GLUED.replace('["right"]', '["top"]'),
@@ -228,28 +228,31 @@ WRONG = {
     ),
     "free direction": (
         MOVED.replace("pivot", 'directions = ["y"]\npivot'),
-        "translates along x, but",
+        "but the list directions contains only",
     ),
     "turn in one direction": (
         MOVED.replace("pivot", 'directions = ["y"]\npivot').replace("0.3, -0.4", "0, 0"),
-        "rotates, which needs both directions",
+        "rotates the edges, which needs both directions, but",
     ),
-    "nothing moves": ('[[moved]]\nedges = ["top"]\n', "nothing moves: no"),
+    "nothing moves in this seal file, because no": (
+        '[[moved]]\nedges = ["top"]\n',
+        "nothing moves in this seal file, because no",
+    ),
     "designed": (
         MOVED + DESIGN.replace('"left"', '"top"'),
-        "has 'top', which [[moved]] 1 ('top') already constrains",
+        "contains 'top', which [[moved]] 1 ('top') already constrains",
     ),
     "reaction of a free edge": (
         MOVED + '[[measure]]\ntype = "reaction"\nedges = ["left"]\n',
-        "edges has 'left', which is neither fixed nor moved; the fixed and moved edges are base, top",
+        "contains 'left', which is neither fixed nor moved; the fixed and moved edges are base, top",
     ),
     "edges and profile": (
         MOVED + '[[measure]]\ntype = "reaction"\nedges = ["top"]\nprofile = "top"\n',
-        "edges and profile are given together; use one of them",
+        "the keys edges and profile are given together; use only one of them",
     ),
     "contact of moved edges": (
         MOVED + '[[measure]]\ntype = "contact_width"\n',
-        "needs a [[profile]], but the file has none",
+        "needs a [[profile]], but the seal file has none",
     ),
     "work": (
         MOVED + '[[measure]]\ntype = "friction_work"\n',

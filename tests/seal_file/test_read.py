@@ -72,7 +72,7 @@ def test_the_start_that_a_message_proposes_is_clear(tmp_path, start):
 def test_plane_of_symmetry_holds_a_section_against_one_plate(tmp_path):
     lid = LID.replace("4.02", "4")
     with pytest.raises(
-        sm.SealFileError, match="nothing supports the section against the straight profile 'lid'"
+        sm.SealFileError, match="the section has no support against the straight profile 'lid'"
     ):
         file_of(tmp_path, lid)
     plane = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'

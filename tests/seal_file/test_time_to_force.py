@@ -120,7 +120,7 @@ def test_a_fraction_that_is_not_reached_is_no_number(tmp_path):
         ("fraction = 0.68", "fraction = 1.5", "fraction"),
         ("fraction = 0.68", "fraction = 0.68\nstage = 3", "the next stage is not a dwell"),
         ("fraction = 0.68", "fraction = 0.68\nstage = 4", "the next stage is not a dwell"),
-        ("fraction = 0.68", "fraction = 0.68\nstage = 9", "but the path has 4 stages"),
+        ("fraction = 0.68", "fraction = 0.68\nstage = 9", "but the motion has only 4 stages"),
         ("fraction = 0.68", "fraction = 0.68\ntravel = 0.2", "travel and stage are given together"),
         ("fraction = 0.68", "stage = 1", "the key 'fraction' is missing"),
     ],

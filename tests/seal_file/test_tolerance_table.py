@@ -35,7 +35,7 @@ def test_the_table_holds_what_a_file_of_tolerances_holds(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("[tolerance]\n", "[tolerance]: no tolerance is given; add [vary.NAME]"),
+        ("[tolerance]\n", "[tolerance]: the file has no manufacturing"),
         ("[tolerance]\nvary = 3\n", "[tolerance]: vary = 3, but it must be tables"),
         (VARY.replace("std = 0.3333", ""), "[tolerance.vary.door_y]: the key 'std' is missing"),
         (VARY.replace("0.3333", "-1.0"), "[tolerance.vary.door_y]: std must be"),
@@ -98,7 +98,9 @@ def test_errors_of_a_boundary_need_edges_that_may_move(tmp_path):
     begin = text.index("[[design]]")
     end = text.index("\n[", begin) + 1
     path.write_text(text[:begin] + text[end:])
-    with pytest.raises(sm.SealFileError, match=r"boundary .* but there is no \[\[design\]\]"):
+    with pytest.raises(
+        sm.SealFileError, match=r"boundary .* but the seal file has no \[\[design\]\]"
+    ):
         sm.read_seal_file(path)
 
 

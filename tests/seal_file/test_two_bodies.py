@@ -111,7 +111,11 @@ def test_materials_and_holes_of_bodies(built):
         ),
         ("body = 2", "body = 0", "body = 0, but it must be"),
         (f"{2.0 + GAP}", "1.5", "body 2"),
-        ("at = [1.0, 0.5]", "at = [1.0, -0.5]", r"at = \(1, -0\.5\) is outside of the section"),
+        (
+            "at = [1.0, 0.5]",
+            "at = [1.0, -0.5]",
+            r"\) of a region is outside of the section; give a",
+        ),
     ],
 )
 def test_what_cannot_be_meant_is_refused(built, old, new, words):

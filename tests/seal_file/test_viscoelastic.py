@@ -275,7 +275,7 @@ def test_times_of_the_path(tmp_path):
 
 REFUSED = [
     ("duration = 1e3 }", "steps = 3 }", "has no duration"),
-    ("tau = [1.0, 100.0]", "tau = [1.0]", "one tau for every g"),
+    ("tau = [1.0, 100.0]", "tau = [1.0]", "a Prony series needs one relaxation time tau for"),
     ("g = [0.3, 0.2]", "g = [0.7, 0.4]", "their sum must be below 1"),
     ("g = [0.3, 0.2]", "g = [0.3, -0.2]", "g"),
     ("tau = [1.0, 100.0]", "tau = [1.0, 0.0]", "tau"),
@@ -288,7 +288,7 @@ REFUSED = [
         "tau = [1.0, 100.0]",
         "tau = [1.0, 100.0]\nwlf = { c1 = 1.0, c2 = 50.0, reference = 23.0 }\n"
         "arrhenius = { activation_energy = 40.0, reference = 23.0 }",
-        "two laws of the same shift",
+        "the keys wlf and arrhenius are given together, but",
     ),
     ('type = "stress_norm"', 'type = "strain_energy"', "strain_energy is not available"),
 ]
@@ -321,7 +321,9 @@ def test_temperatures_for_other_stages_are_refused(tmp_path):
 
 def test_an_axial_stretch_is_refused(tmp_path):
     model = 'kinematics = "generalised_plane_strain"\naxial_stretch = 1.02'
-    with pytest.raises(sm.SealFileError, match="relaxation cannot be combined with axial_stretch"):
+    with pytest.raises(
+        sm.SealFileError, match=r".viscoelastic\]: viscoelasticity cannot be combined"
+    ):
         read(tmp_path, relaxing(text(FIXED, LID), model=model))
 
 
@@ -410,14 +412,17 @@ def test_derivatives_of_measures_in_time(timed, name):
 @pytest.mark.parametrize(
     ("measure", "words"),
     [
-        ('type = "reaction"\nstage = 4', "stage = 4, but the path has 3"),
+        ('type = "reaction"\nstage = 4', "stage = 4, but the motion has only 3"),
         ('type = "reaction"\nstage = 1\ntime = 2.0', "stage and time are given together"),
         (
             'type = "reaction"\ntime = 2000.0',
-            "time = 2000 s is beyond the end of the path at 1002.5 s",
+            "time = 2000 s is beyond the end of the analysis at 1002.5 s",
         ),
         ('type = "retained_force"\nstage = 1', "must have two"),
-        ('type = "compression_set"\nat = [0, 4]\nstage = 3', "stage = 3, but the path has 3"),
+        (
+            'type = "compression_set"\nat = [0, 4]\nstage = 3',
+            "stage = 3, but the motion has only 3",
+        ),
     ],
 )
 def test_measures_beyond_the_path_are_refused(tmp_path, measure, words):

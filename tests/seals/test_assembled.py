@@ -82,5 +82,5 @@ def test_with_other_load_steps_it_is_the_same_seal(seal):
     result = sm.analyze(other)
     assert result.converged
     assert len(result.path.nominal_steps) == 5
-    with pytest.raises(ValueError, match="ends of load steps must increase and contain"):
+    with pytest.raises(ValueError, match="the fractions of a motion at which load steps end"):
         seal.with_ends([4.0, 8.0])

@@ -83,7 +83,7 @@ def test_a_tolerance_that_is_not_reached_is_told(monkeypatch):
     assert choice.seal.step_error == choice.step_error > 1e-9
     (text,) = choice.seal.warnings
     assert text.startswith(
-        f"{len(choice.ends)} load steps cause an error of {choice.step_error:.1%}"
+        f"{len(choice.ends)} load steps cause an estimated error of {choice.step_error:.1%}"
     )
     # the path of the last round is the analysis
     result = sm.analyze(choice.seal)

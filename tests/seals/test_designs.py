@@ -94,7 +94,7 @@ def test_a_part_of_an_edge_begins_and_ends_smoothly():
     # near an end the offset grows with the square of the distance
     near = on & (angle < 0.53)
     assert size[:, near].max() < 0.01
-    with pytest.raises(ValueError, match=r"give the points of between in this order"):
+    with pytest.raises(ValueError, match="give the two points of the key between in this order"):
         boundary_velocity(boundaries, [OffsetDesign(("crown",), 3, between[::-1])], FIXED)
 
 
@@ -167,10 +167,10 @@ def test_symmetric_designs_have_symmetric_velocities(designs, count):
         (OffsetDesign(("base",), 5), "the edge 'base' is fixed"),
         (OffsetDesign(("crown",), 5, opposite="base"), "the edge 'base' is fixed"),
         (OffsetDesign(("crown",), 5, ((9.0, 9.0), (0.0, 10.0))), "must lie on the edge 'crown'"),
-        (VertexDesign((1.0, 9.0)), r"no vertex is at \(1, 9\); the nearest one is at \(5, 5\)"),
-        (VertexDesign((3.2, 5.0)), r"no vertex is at \(3.2, 5\)"),
-        (VertexDesign((5.0, 0.0)), "it would move the edge 'base', which is fixed"),
-        (RadiusDesign((5.0, 2.0)), r"the segment at \(5, 2\) is not an arc"),
+        (VertexDesign((1.0, 9.0)), r"no vertex at \(1, 9\); the nearest vertex is at \(5, 5\)"),
+        (VertexDesign((3.2, 5.0)), r"the boundary has no vertex at \(3.2, 5\)"),
+        (VertexDesign((5.0, 0.0)), "would move the edge 'base', which is fixed"),
+        (RadiusDesign((5.0, 2.0)), "is not an arc, so it has no radius to change; give"),
         (RadiusDesign((0.0, 3.5)), "must lie on the boundary"),
     ],
 )  # fmt: skip
@@ -200,7 +200,8 @@ def test_planes_of_symmetry_stay_planes():
     (plane,) = (s for s in new.outer.segments if s.edge == "plane")
     np.testing.assert_allclose(plane.first, (0.0, 10.3), atol=1e-12)
     with pytest.raises(
-        ValueError, match=r"the vertex \(0, 10\) cannot move in x, out of the plane"
+        ValueError,
+        match=r"the vertex \(0, 10\) lies in a plane of symmetry and cannot move out of it in x",
     ):
         moved(half(), [VertexDesign((0.0, 10.0), (0, 1))], [0.3, 0.1], supports)
 

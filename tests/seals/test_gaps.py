@@ -49,6 +49,6 @@ def test_the_seals_own_measures_by_name(nominal):
     fewer = nominal.at((GapSquareSum(Gap("door", others)),))
     assert gaps_unmeasured_by(nominal, "gap_square_sum") == ()
     (text,) = gaps_unmeasured_by(fewer, "gap_square_sum")
-    assert "the opening has moved away" in text
+    assert "the gap region has moved away from these points" in text
     assert gaps_unmeasured_by(fewer, "gap_square_integral") == ()
     assert gaps_unmeasured_by(fewer, "mean_of_something") == ()

@@ -138,14 +138,14 @@ def test_reseeded_seal_has_the_same_boundary_and_nearly_the_same_answer(pressed)
     [
         (
             {"supports": {"foot": (0, 1)}},
-            "supports: no edge is called 'foot'; edges are base, outer",
+            "supports: the section has no edge 'foot'; its edges are base, outer",
         ),
         (
             {"designs": [OffsetDesign(("foot",), 5)]},
-            r"\[\[design\]\] 1: no edge is called 'foot'; edges are base, outer, cavity",
+            r"\[\[design\]\] 1: the section has no edge 'foot'; its edges are base, outer, cavity",
         ),
         ({"designs": [OffsetDesign(("base",), 5)]}, r"\[\[design\]\] 1: the edge 'base' is fixed"),
-        ({"designs": [OffsetDesign(("outer",), 1)]}, "'outer' needs at least 2 parameters"),
+        ({"designs": [OffsetDesign(("outer",), 1)]}, "'outer' needs at least 2 design parameters"),
         (
             {"contributions": (lambda section: section.contact_points(("foot",)),)},
             "no edge 'foot'; its edges are: base, outer, cavity",

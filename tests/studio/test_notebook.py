@@ -31,7 +31,7 @@ def test_frame_has_the_address_and_opens_the_file(tmp_path):
 
 
 def test_outside_of_a_notebook_it_says_what_to_do(tmp_path):
-    with pytest.raises(RuntimeError, match="in a terminal use seal-mdao studio"):
+    with pytest.raises(RuntimeError, match="in a terminal use the command seal-mdao studio"):
         show(write(tmp_path))
 
 

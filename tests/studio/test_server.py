@@ -218,6 +218,6 @@ def test_pages_beyond_the_largest_number_are_closed(tmp_path):
             await told(socket, "status")
         more = await connected(studio)
         await ended(studio, more)
-        assert "pages are already open" in more.close_reason
+        assert "browser pages of seal-mdao studio are already open" in more.close_reason
 
     with_studio(tmp_path, work)

@@ -141,7 +141,7 @@ def test_means_that_begin_inside_with_their_particles_are_refused(tmp_path, monk
     """By 1e-4 mm in a spacing of 1 mm, within which means of a curved edge may lie beside it."""
     lid = LID.replace("friction = 0.3", 'friction = 0.3\ncontact_points = "averages"')
     seal = seal_of(tmp_path, FIXED, lid).with_placements()
-    words = r"starts 0\.0001 mm inside the rigid profile 'lid'; .* the parameters lid_x and lid_y\)"
+    words = r"overlaps the rigid profile 'lid' by 0\.0001 mm .* the parameters lid_x and lid_y\)"
     monkeypatch.setattr(type(seal), "clear_designs", False)
     with pytest.raises(sm.GeometryError, match=words):
         sm.analyze(seal, parameters={"lid_y": -0.0201})

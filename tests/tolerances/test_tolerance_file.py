@@ -26,7 +26,7 @@ def test_those_of_the_door_fit_the_door_seal():
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("", "no tolerance is given"),
+        ("", "the file has no manufacturing tolerance; add a"),
         ("vary = 3", r"vary = 3, but it must be tables, each written \[vary.name\]"),
         ("[vary]\na = 3", r"\[vary.a\] must be one table, got 3"),
         ("[bounds]\nx = 1", "bounds"),

@@ -64,7 +64,7 @@ function closing() {
   const show = (index) => {
     at = index;
     paths.forEach((path, i) => {
-      const k = Math.min(index, path.frames.length - 1), held = k < index ? " (path ends here)" : "", own = path.curves[profile];
+      const k = Math.min(index, path.frames.length - 1), held = k < index ? " (analysis ends here)" : "", own = path.curves[profile];
       const touching = own && own.arc.length ? `, ${[...own.state[k]].filter((s) => "12".includes(s)).length} points in contact` : "";
       const main = own ? start.curves[profile].component : 0;
       const up = own ? `, ${shapes.force.directions[main]} force ${force(own.reaction[k][main])}` : "";
@@ -176,7 +176,7 @@ function histories() {
   caption("objective", `${objective.label}${unitText(objective.unit)}`);
   if (constraints.length) {
     charts.push(new LineChart(place("constraints"), {
-      name: "Constraints over their limits", x, y: { label: "value / limit" }, over: 1, limits: [{ at: 1, text: "limit" }],
+      name: "Constraints divided by their limits", x, y: { label: "value / limit" }, over: 1, limits: [{ at: 1, text: "limit" }],
       series: constraints.map((c, i) => ({
         name: c.label, values: c.use, color: color(i), dash: ["", "7 3", "2 3"][Math.floor(i / 8) % 3], dots: count < 40 ? 2.4 : 0,
         tip: (k) => `${readable(c.values[k])}${c.unit ? ` ${c.unit}` : ""} (${readable(100 * c.use[k], 3)} %)`,
@@ -225,9 +225,9 @@ function designs() {
     let k = 0;
     shapes.numbers.forEach((number, i) => { if (number <= index) k = i; });
     const aside = shapes.numbers[k] === index ? "" : ` (shape of ${shapes.numbers[k]})`;
-    views[0].draw(drawn[k], drawn[0], `Undeformed section at ${text}${aside}, start dashed`);
-    views[1].draw(frames[k], frames[0], `Deformed section at the end of the path at ${text}${aside}: peak stress ${readable(frames[k].peak, 3)} kPa`);
-    place("design-text").textContent = `peak ${readable(frames[k].peak, 3)} kPa; dashed: start${aside}`;
+    views[0].draw(drawn[k], drawn[0], `Undeformed section at ${text}${aside}, first design dashed`);
+    views[1].draw(frames[k], frames[0], `Deformed section at the end of the analysis at ${text}${aside}: peak stress ${readable(frames[k].peak, 3)} kPa`);
+    place("design-text").textContent = `peak ${readable(frames[k].peak, 3)} kPa; dashed: first design${aside}`;
   };
   return { views, show };
 }

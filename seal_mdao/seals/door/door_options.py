@@ -218,9 +218,9 @@ class DoorOptions:
         below = int(self.section.base_angle / spacing)
         values.require(
             columns > 0 and abs(self.section.base_angle - columns * spacing) <= 1e-9,
-            f"base_angle = {self.section.base_angle:.6g} of the section must be a multiple of the "
-            f"angle 2 pi / {self.rays} between two of the {self.rays} rays, for example "
-            f"{max(below, 1) * spacing:.6g} or {(max(below, 1) + 1) * spacing:.6g}",
+            f"the angle base_angle = {self.section.base_angle:.6g} (rad) of the door seal must be "
+            f"a multiple of the angle 2 pi / {self.rays} between two of the {self.rays} rays, for "
+            f"example {max(below, 1) * spacing:.6g} or {(max(below, 1) + 1) * spacing:.6g}",
         )
         return columns
 
@@ -275,7 +275,10 @@ def door_options(**given) -> DoorOptions:
     # unknown options before wrong values
     unknown = sorted(set(given) - set(known))
     if unknown:
-        raise TypeError(f"unknown option {unknown[0]!r}; the options are {', '.join(known)}")
+        raise TypeError(
+            f"the built-in door seal has no option {unknown[0]!r}; its options are "
+            f"{', '.join(known)}"
+        )
     options = DoorOptions(**given)
     for name, kind in PARTS.items():
         values.instance(name, getattr(options, name), kind)
@@ -314,8 +317,8 @@ def _check_together(options: DoorOptions) -> None:
     """Check the conditions on several options together."""
     values.require(
         options.rays % BASE_RAYS == 0,
-        f"rays = {options.rays} must be a multiple of {BASE_RAYS}, because the base would "
-        "otherwise change its width",
+        f"rays = {options.rays} (number of radial rows of particles) must be a multiple of "
+        f"{BASE_RAYS}, because the fixed base would otherwise change its width",
     )
     # both raise where the section and the rays do not fit; control values beyond the particles of a
     # boundary would have no effect of their own
@@ -333,6 +336,6 @@ def _check_together(options: DoorOptions) -> None:
         ends = values.numbers("step_ends", options.step_ends)
         values.require(
             ends.shape == (options.n_steps,) and increases_to_one(ends),
-            f"step_ends must be {options.n_steps} increasing fractions of the path (n_steps), the last "
-            f"one 1; got {values.formatted(options.step_ends)}",
+            f"step_ends must be {options.n_steps} increasing fractions of the travel (n_steps), "
+            f"the last one 1; got {values.formatted(options.step_ends)}",
         )

@@ -98,7 +98,7 @@ def door_seal(
     values.one_of("accuracy", accuracy, tuple(ACCURACIES))
     values.require(
         steps is None or (isinstance(steps, str) and steps == "auto"),
-        f'steps must be None or "auto", got {values.formatted(steps)}',
+        f'the argument steps of door_seal must be None or "auto", got {values.formatted(steps)}',
     )
     # explicit options override those of the accuracy
     options = door_options(**{**ACCURACIES[accuracy], **changes})
@@ -120,7 +120,10 @@ def options_of(seal: Seal) -> DoorOptions:
     ValueError
         For another seal.
     """
-    values.require(DOOR_SEAL in seal.description, "the seal is not a door seal")
+    values.require(
+        DOOR_SEAL in seal.description,
+        "the seal was not made by door_seal, so it has no options of the door seal",
+    )
     # options of the description, and parameters changed since
     options, changed = _read(seal.description[DOOR_SEAL]), dict(seal.changed)
     names = options.material.names
@@ -157,7 +160,8 @@ def described_door_seal(description: dict) -> Seal:
         return _built(_read(description[DOOR_SEAL]))
     except (TypeError, KeyError, RecursionError) as error:
         raise ValueError(
-            f"the recorded settings do not fit the door seal of this version: {error}"
+            "the recorded settings of a door seal are not valid in this version of seal_mdao: "
+            f"{error}"
         ) from error
 
 

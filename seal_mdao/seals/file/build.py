@@ -88,8 +88,8 @@ def built(
         if step_ends is not None:
             if tolerance is None:
                 raise SealFileError(
-                    "step_ends cannot be given, because the stages of the seal file have steps; "
-                    "leave out either"
+                    "the argument step_ends cannot be combined with numbers of load steps (steps) "
+                    "in the stages of the seal file; leave out either"
                 )
             seal, tolerance = seal.with_ends(step_ends), None
         if tolerance is None and not names:
@@ -130,8 +130,8 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
     if set(penalties) != set(file.open_penalties):
         wanted = ", ".join(file.open_penalties) or "none"
         raise SealFileError(
-            f"penalties are given for {', '.join(penalties) or 'no contact'}, but the seal file "
-            f"leaves those of {wanted} to be chosen; give exactly these"
+            "the argument penalties must contain the contacts without penalties in the seal file, "
+            f"{wanted}, but contains {', '.join(penalties) or 'no contact'}"
         )
     # set as parameters, which checks them, then taken over into the definitions
     seal = seal.with_parameters(dict(penalties))

@@ -55,8 +55,9 @@ def nearest_free_edges(where: str, profile, file) -> tuple[str, ...]:
     ]
     if not runs:
         raise SealFileError(
-            f"{where}: there is no edge that the profile may touch, because all are in [fixed], "
-            "[[symmetry]], [[moved]] or glued; leave one edge free, or name it in contact"
+            f"{where}: the profile has no edge that it may touch, because all edges of the section "
+            "are in [fixed], [[symmetry]], [[moved]] or glued; leave one edge free, or name it in "
+            "the list contact"
         )
     gap, sagitta = gap_at_start(profile), LOOK * file.section.outline.size
 
@@ -103,7 +104,7 @@ def check_start(where: str, profile, outline) -> float:
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
             f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away"
             + f", such as start = {(np.round(clear.start, 6) + 0.0).tolist()}" * such
-            + " or leave that edge out of contact" * (len(profile.contact) > 1)
+            + " or remove that edge from the list contact" * (len(profile.contact) > 1)
             + f" (the rigid body lies on the left of the curve's direction{turned})"
         )
     return least

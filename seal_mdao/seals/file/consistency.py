@@ -87,16 +87,16 @@ def _check_supports(file) -> None:
         for name in plane.edges:
             if name in seen:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which {seen[name]} has already; remove it from "
-                    "one of them"
+                    f"{where}: the edge {name!r} is already in {seen[name]}; remove it from "
+                    "one of the two tables"
                 )
             seen[name] = where
             axis = "xy".index(plane.normal)
             spread = [s.points(s.chords(LOOK * outline.size))[:, axis] for s in outline.edge(name)]
             if np.ptp(np.concatenate(spread)) > ROUNDING * outline.size:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which does not lie in one plane of constant "
-                    f"{plane.normal}"
+                    f"{where}: the edge {name!r} in the list edges does not lie in a plane of "
+                    f"constant {plane.normal}"
                 )
 
 
@@ -104,8 +104,8 @@ def _check_boundary_tolerance(file) -> None:
     """Refuse errors of a boundary of which no edge may move: they are offsets of designs."""
     if file.tolerance is not None and file.tolerance.boundary is not None and not file.designs:
         raise SealFileError(
-            "[tolerance]: boundary describes errors of edges that a design may move, but there is "
-            "no [[design]]; add one with these edges"
+            "[tolerance]: boundary describes random errors of the edges of [[design]], but the "
+            "seal file has no [[design]]; add one with the edges that scatter"
         )
 
 
@@ -129,13 +129,13 @@ def _check_designs(file) -> None:
         for name in design.moving:
             if name in file.supports:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which {holder(file, name)} already constrains; "
-                    "remove it from one of them"
+                    f"{where}: the list edges contains {name!r}, which {holder(file, name)} "
+                    "already constrains; remove this edge from one of the two tables"
                 )
             if name in seen:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which {seen[name]} has already; remove it from "
-                    "one of them"
+                    f"{where}: the edge {name!r} is already in {seen[name]}; remove it from "
+                    "one of the two tables"
                 )
             if design.between is None:
                 seen[name] = where
@@ -162,7 +162,8 @@ def _check_cavities(file) -> None:
             )
         if cavity.hole in seen:
             raise SealFileError(
-                f"{where}, which {seen[cavity.hole]} already has; remove one of them"
+                f"{where}, but {seen[cavity.hole]} already has this hole; remove one of the two "
+                "tables"
             )
         seen[cavity.hole] = f"[[cavity]] {number}"
         if cavity.vented:
@@ -176,21 +177,22 @@ def _check_closing(where: str, cavity, file) -> None:
     timed = relaxes(file)
     if moving is None and not timed:
         raise SealFileError(
-            f"{where} has vents, but no profile moves; give a [[profile]] a [[profile.stage]] with "
-            "translate"
+            f"{where} has vents, but no profile moves; add a [[profile.stage]] with translate to a "
+            "[[profile]]"
         )
     open_stages = [] if timed else [n for n, s in enumerate(moving.stages, 1) if s.duration is None]
     if cavity.closing_speed is None:
         if open_stages:
             raise SealFileError(
                 f"{where} has vents but no closing_speed, and stage {open_stages[0]} of the "
-                f"profile {moving.name!r} has no duration; give one of the two"
+                f"profile {moving.name!r} has no duration; give either closing_speed or a duration "
+                "of every stage"
             )
         return
     where = f"{where}: closing_speed = {cavity.closing_speed:g}"
     if not open_stages:
         raise SealFileError(
-            f"{where} has no effect, because every stage has a duration; leave it out"
+            f"{where} has no effect, because every stage has a duration; leave out closing_speed"
         )
     # time = travel / speed, or as given
     for number, own in enumerate(moving.stages, 1):
@@ -235,8 +237,9 @@ def _check_fluids(file) -> None:
             continue
         if file.step_tolerance is not None:
             raise SealFileError(
-                f"{where}: steps = {fluid.steps} cannot be given, because the stages have no steps "
-                "and load steps are chosen; leave it out, and the pressure grows in the last stage"
+                f"{where}: steps = {fluid.steps} cannot be given, because the stages of the "
+                "profiles have no steps and their load steps are chosen automatically; leave out "
+                "steps, and the pressure grows in the last stage"
             )
         if fluid.steps > file.n_steps:
             raise SealFileError(
@@ -265,7 +268,7 @@ def _check_fluid_edges(where: str, edges, file) -> None:
     if not any(name in touching for name in edges):
         raise SealFileError(
             f"{where}, but no profile may touch these edges, so nothing stops the fluid; add to "
-            f"edge one of the edges that a profile may touch: {', '.join(touching)}"
+            f"the list edge one of the edges that a profile may touch: {', '.join(touching)}"
         )
 
 
@@ -284,8 +287,8 @@ def _check_measures(file) -> None:
         cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
             raise SealFileError(
-                f"{where}: places are indices of particles, which are fixed only with cloud in "
-                "[section]; leave places out, or use cloud"
+                f"{where}: the key places contains indices of particles, which are known only for "
+                "a mesh file (cloud in [section]); leave out places, or use cloud"
             )
         _check_work(where, measure, file)
         measure.check(where, file)
@@ -297,7 +300,7 @@ def _check_work(where: str, measure, file) -> None:
     if own or (measure.type == "profile_work" and measure.profile in file.glued):
         raise SealFileError(
             f"{where}: type = {measure.type!r} is not available with [[moved]] or glued edges, "
-            "whose work is not included; leave it out, or use strain_energy"
+            "because their work is not included; leave out this measure, or use strain_energy"
         )
 
 
@@ -336,12 +339,12 @@ def _check_steps(file) -> None:
     if not moving:
         if file.moved:
             raise SealFileError(
-                "nothing moves: no [[profile]] has a [[profile.stage]] and no [[moved]] has a "
-                "[[moved.stage]]; add at least one"
+                "nothing moves in this seal file, because no [[profile]] has a [[profile.stage]] "
+                "and no [[moved]] has a [[moved.stage]]; add at least one stage"
             )
         raise SealFileError(
-            "[[profile]]: nothing moves, because no profile has a [[profile.stage]]; add one to "
-            "at least one profile"
+            "[[profile]]: nothing moves, because no profile has a [[profile.stage]]; add a stage "
+            "to at least one profile"
         )
     first = moving[0]
     for profile in moving[1:]:
@@ -371,7 +374,8 @@ def _check_contact(where: str, profile, file) -> None:
             owner = holder(file, name)
             raise SealFileError(
                 f"{where}: contact = {name!r}, but {owner} prescribes the displacements of this "
-                f"edge, so it cannot come into contact; remove it from contact or from {owner}"
+                "edge, so that it cannot come into contact; remove this edge from the list contact "
+                f"or from {owner}"
             )
     if isinstance(profile.friction, FrictionByGroup):
         check_friction_by_edge(where, profile)
@@ -390,7 +394,7 @@ def _check_contact_points(where: str, profile, file) -> None:
     where = f'{where}: contact_points = "{profile.contact_points}", but'
     if file.fluids:
         raise SealFileError(
-            f"{where} a [[fluid]] needs contact points at the particles; leave contact_points out"
+            f"{where} a [[fluid]] needs contact points at the particles; leave out contact_points"
         )
     for number, measure in enumerate(file.measures, 1):
         # the moment of a profile that turns needs forces at particles
@@ -399,7 +403,7 @@ def _check_contact_points(where: str, profile, file) -> None:
         if profile.turns and (own or measure.type == "friction_work"):
             raise SealFileError(
                 f"{where} the {measure.type} ([[measure]] {number}) of a rotating profile needs "
-                "contact points at the particles; leave contact_points or the measure out"
+                "contact points at the particles; leave out contact_points or this measure"
             )
 
 
@@ -414,8 +418,8 @@ def _check_opposed(names, file) -> None:
     segments = touching[0].segments
     if len(segments) == 1 and isinstance(segments[0], Line):
         raise SealFileError(
-            f"nothing supports the section against the straight profile {touching[0].name!r}; fix "
-            "an edge ([fixed]), or add a [[profile]] without stages on the opposite side"
+            f"the section has no support against the straight profile {touching[0].name!r}; fix an "
+            "edge ([fixed]), or add a [[profile]] without stages on the opposite side"
         )
 
 

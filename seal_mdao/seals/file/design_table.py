@@ -85,14 +85,14 @@ class DesignTable(Table):
         given = [name for name in KINDS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(
-                "exactly one of edges, vertex and arc is needed, but it has "
-                + (" and ".join(given) or "none of them")
+                "a [[design]] needs exactly one of the keys edges, vertex and arc, but this one "
+                "has " + (" and ".join(given) or "none of them")
             )
         for name, owner in BESIDE.items():
             if getattr(self, name) is not None and given != [owner]:
                 raise ValueError(
-                    f"{name} belongs to {owner} and cannot be combined with {given[0]}; leave out "
-                    f"{name}"
+                    f"the key {name} can only be combined with {owner}, not with {given[0]}; leave "
+                    f"out {name}"
                 )
         if self.edges is not None and self.parameters is None:
             raise ValueError(
@@ -100,8 +100,8 @@ class DesignTable(Table):
             )
         if self.between is not None and len(self.edges) > 1:
             raise ValueError(
-                "between cannot be combined with several edges; write a separate [[design]] for "
-                "every part"
+                "the key between cannot be combined with several edges; write a separate "
+                "[[design]] for every part of the boundary"
             )
         return self
 

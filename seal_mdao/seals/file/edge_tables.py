@@ -103,8 +103,8 @@ class CavityTable(Table):
         given = [name for name in VENTS if own[name] is not None]
         if given and missing:
             raise ValueError(
-                f"{given[0]} is given without {missing[0]}; vents need both "
-                f"{' and '.join(VENTS[:2])}"
+                f"the key {given[0]} is given without {missing[0]}; the vents of a cavity need "
+                f"both {' and '.join(VENTS[:2])}"
             )
         if given and self.vent_spacing < self.vent_diameter:
             raise ValueError(
@@ -277,9 +277,9 @@ TERM_NAME = "prefix of the names of its parameters; default: its type"
 class TermTable(Table):
     """Term of another package, given by its name; further keys are the fields of its definition."""
 
-    type: Text = key("name of the term")
+    type: Text = key("name of the user-defined load or contact (term)")
     name: Name | None = key(TERM_NAME, None)
-    edges: Names = key("edges on which the term acts")
+    edges: Names = key("edges on which the user-defined load or contact acts")
 
     @property
     def arguments(self) -> dict:

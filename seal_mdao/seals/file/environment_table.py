@@ -78,7 +78,7 @@ def check_environment(file) -> None:
         if measure.type == "friction_work":
             raise SealFileError(
                 f"[[measure]] {number}: friction_work is not available with temperature, swelling "
-                "or axial_stretch, because these do work, too; leave it out"
+                "or axial_stretch, because these do work, too; leave out this measure"
             )
 
 
@@ -105,7 +105,7 @@ def _check_temperature(file) -> None:
     if not any(own.changes_with_temperature for own in file.material_tables.values()):
         raise SealFileError(
             f"[model]: temperature = {formatted(file.model.temperature)}, but no material depends "
-            "on it; give a material an expansion (rubber about 2e-4 1/K), a "
+            "on temperature; give a material an expansion (rubber about 2e-4 1/K), a "
             "modulus_over_temperature or a shift of its relaxation times, or leave temperature out"
         )
 
@@ -116,9 +116,9 @@ def _refuse_without_temperature(name: str, own) -> None:
     for key, value in given.items():
         if value:
             raise SealFileError(
-                f"[material.{name}]: {key} = {formatted(value)}, but [model] has no temperature, "
-                "so it has no effect; add temperature = 60 (degrees Celsius, at the end of every "
-                f"stage) to [model], or leave out {key}"
+                f"[material.{name}]: {key} = {formatted(value)}, which has no effect, because "
+                "[model] has no temperature; add temperature = 60 (degrees Celsius, at the end of "
+                f"every stage) to [model], or leave out {key}"
             )
 
 

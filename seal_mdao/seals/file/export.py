@@ -56,8 +56,8 @@ def require_writers() -> None:
             missing.append(package)
     if missing:
         raise ImportError(
-            f"writing a design needs {' and '.join(missing)}, not installed: pip install "
-            "seal_mdao[dxf]"
+            f"writing a design as a seal file needs {' and '.join(missing)}, not installed: pip "
+            "install seal_mdao[dxf]"
         )
 
 

@@ -125,15 +125,16 @@ def keys_of(made: type, base: type[Table], left_out=()) -> dict:
         # a required field must have a form, and no field the name of a key or attribute of the base
         if form is None and default is MISSING:
             raise ValueError(
-                f"{made.__name__}: the field {field.name!r} cannot be read from a seal file; give "
-                "it the type float, int, str, bool or a tuple of these, or a default"
+                f"the class {made.__name__} cannot be used in seal files, because its field "
+                f"{field.name!r} has a type that cannot be read; give this field the type float, "
+                "int, str, bool or a tuple of these, or a default"
             )
         if form is None:
             continue
         if field.name in base.entries() or hasattr(base, field.name):
             raise ValueError(
-                f"{made.__name__}: the name of the field {field.name!r} is reserved, because every "
-                "such table has a key or attribute of this name; rename the field"
+                f"the class {made.__name__} cannot be used in seal files, because the name of its "
+                f"field {field.name!r} is reserved for a key of its table; rename the field"
             )
         text = f"field of {made.__name__}"
         if default is MISSING:

@@ -92,13 +92,17 @@ class ReactionTable(OfProfile):
     @model_validator(mode="after")
     def _one_direction(self):
         if self.edges is not None and self.profile is not None:
-            raise ValueError("edges and profile are given together; use one of them")
+            raise ValueError("the keys edges and profile are given together; use only one of them")
         # an axis, or a vector
         if self.component is not None and self.direction is not None:
-            raise ValueError("component and direction are given together; use one of them")
+            raise ValueError(
+                "the keys component and direction are given together; use only one of them"
+            )
         # one kind of places on the path
         if len(self._places) > 1:
-            raise ValueError(f"{' and '.join(self._places)} are given together; use one of them")
+            raise ValueError(
+                f"the keys {' and '.join(self._places)} are given together; use only one of them"
+            )
         return self
 
     @property
@@ -139,8 +143,8 @@ class ReactionTable(OfProfile):
         # up to rounding, travels end with the path
         if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
             raise SealFileError(
-                f"{where}: travel = {np.max(done.travel):g}, but the path of the profile "
-                f"{moving.name!r} is only {moving.travel:.6g} mm long"
+                f"{where}: travel = {np.max(done.travel):g}, but the total travel of the profile "
+                f"{moving.name!r} is only {moving.travel:.6g} mm"
             )
         return done
 
@@ -148,7 +152,7 @@ class ReactionTable(OfProfile):
         stages = len(file.stages)
         if self.stage is not None and np.max(self.stage) > stages:
             raise SealFileError(
-                f"{where}: stage = {np.max(self.stage)}, but the path has {stages} "
+                f"{where}: stage = {np.max(self.stage)}, but the motion has only {stages} "
                 f"stage{'s' if stages > 1 else ''}"
             )
         if self.time is not None and not relaxes(file):
@@ -161,8 +165,8 @@ class ReactionTable(OfProfile):
             known(where, "edges", name, file.section.outline.edge_names, "edge")
             if name not in file.supports:
                 raise SealFileError(
-                    f"{where}: edges has {name!r}, which is neither fixed nor moved; the fixed and "
-                    f"moved edges are {', '.join(file.supports) or 'none'}"
+                    f"{where}: the list edges contains {name!r}, which is neither fixed nor moved; "
+                    f"the fixed and moved edges are {', '.join(file.supports) or 'none'}"
                 )
 
 
@@ -202,7 +206,8 @@ class LoadDeflectionErrorTable(ReactionTable):
             return self
         if self._places or self.value is not None:
             raise SealFileError(
-                f"{where}: data and travel with value are given together; use one of them"
+                f"{where}: the target curve is given twice, by data and by travel with value; use "
+                "only one of them"
             )
         try:
             travel, value = read_target(folder / self.data)
@@ -221,16 +226,17 @@ class LoadDeflectionErrorTable(ReactionTable):
         for name, own in (("value", self.value), ("weight", self.weight)):
             if own is not None and len(own) != len(places):
                 raise SealFileError(
-                    f"{where}: {name} has {len(own)} numbers, but {place} has {len(places)}; give "
-                    "equally many"
+                    f"{where}: the list {name} has {len(own)} numbers, but {place} has "
+                    f"{len(places)}; both lists must have the same length"
                 )
         if not all(self.value):
             raise SealFileError(
                 f"{where}: value contains a target force of 0, but differences are relative to the "
-                f"targets; leave this {place} out"
+                f"targets; leave out the {place} with this target"
             )
         if self.weight is not None and not any(self.weight):
             raise SealFileError(
-                f"{where}: all numbers of weight are zero; give at least one a value above 0"
+                f"{where}: all weights of the target forces are zero; at least one weight must be "
+                "above 0"
             )
         return replace(super().settled(where, profiles), **{place: places})

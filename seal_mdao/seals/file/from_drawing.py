@@ -192,8 +192,9 @@ def _write_layers(path, units, parting, ignore, layered: Path, report) -> Drawin
         f"; lines between rubbers, from {', '.join(parting)}, are on {PARTING}" if lines else ""
     )
     report(
-        f"the layers of {path.name} are not its edges, so {layered} was written with every edge "
-        f"between corners on a separate layer: {', '.join(drawing.outline.edge_names)}{between}"
+        f"the layers of {path.name} do not divide the boundary into edges, so the drawing "
+        f"{layered} was written with one layer for every edge between two corners: "
+        f"{', '.join(drawing.outline.edge_names)}{between}"
     )
     # texts, and what was left out, are those of the drawing as it was given
     written = read_drawing(layered, parting=list(lines))

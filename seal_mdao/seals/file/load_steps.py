@@ -90,8 +90,8 @@ def with_steps(profiles: tuple, moved: tuple, steps: StepsTable | None) -> tuple
     for where, own in named:
         if own is not None:
             raise SealFileError(
-                f"{where} has steps, but {without[0]} does not; give steps in all stages, or in "
-                "none to have them chosen"
+                f"{where} has a number of load steps (steps), but {without[0]} has none; give "
+                "steps in all stages, or in no stage for an automatic choice"
             )
     tolerance = (StepsTable() if steps is None else steps).tolerance
     return one_step_each(profiles), one_step_each(moved), tolerance

@@ -112,8 +112,8 @@ class OfProfile(MeasureTable):
         names = [own.name for own in profiles if self.takes(own)]
         if not names:
             raise SealFileError(
-                f"{where}: type = {self.type!r} needs a [[profile]], but the file has none; add "
-                "one, or leave the measure out"
+                f"{where}: type = {self.type!r} needs a [[profile]], but the seal file has none; "
+                "add a [[profile]], or leave out this measure"
             )
         if self.profile is None and len(names) > 1:
             raise SealFileError(

@@ -82,7 +82,9 @@ class WallThicknessTable(MeasureTable):
     def _two_sides(self):
         # a wall has two sides
         if (self.edges is None) != (self.opposite is None):
-            raise ValueError("edges and opposite belong together; give both or neither")
+            raise ValueError(
+                "the keys edges and opposite are the two sides of a wall; give both keys or neither"
+            )
         return self
 
     def check(self, where, file):
@@ -91,8 +93,8 @@ class WallThicknessTable(MeasureTable):
             # without names a wall lies between the outside and a hole
             if all(len(body) == 1 for body in outline.bodies):
                 raise SealFileError(
-                    f"{where}: the section has no hole, so its walls are not known; give edges and "
-                    "opposite, the two sides of a wall"
+                    f"{where}: no wall can be found, because the section has no hole; give both "
+                    "sides of a wall by the keys edges and opposite"
                 )
             return
         for name, own in (("edges", self.edges), ("opposite", self.opposite)):
@@ -117,8 +119,8 @@ class CavityAreaTable(MeasureTable):
         holes = [hole.edge_names[0] for hole in outline.holes if len(hole.edge_names) == 1]
         if self.edge not in holes:
             raise SealFileError(
-                f"{where}: edge = {self.edge!r} is not the complete boundary of a hole; edges that "
-                f"are: {', '.join(holes) or 'none'}"
+                f"{where}: edge = {self.edge!r} is not the complete boundary of a hole; the "
+                f"complete boundaries of holes are {', '.join(holes) or 'none'}"
             )
 
 
@@ -228,7 +230,7 @@ class ProfileWorkTable(OfProfile):
         stages = len(file.stages)
         if self.stage is not None and self.stage[1] > stages:
             raise SealFileError(
-                f"{where}: stage = {list(self.stage)}, but the path has {stages} "
+                f"{where}: stage = {list(self.stage)}, but the motion has only {stages} "
                 f"stage{'s' if stages > 1 else ''}"
             )
 
@@ -270,12 +272,12 @@ class VonMisesTable(MeasureTable):
     def _one_choice(self):
         # places are given by points or by a number of maxima; the excess is that of the smooth maximum
         if self.at is not None and self.count is not None:
-            raise ValueError("at and count are given together; use one of them")
+            raise ValueError("the keys at and count are given together; use only one of them")
         for name in ("excess", "away_from_singular"):
             if getattr(self, name) is not None and not self.single:
                 raise ValueError(
-                    f"{name} applies to the maximum of the complete section only and cannot be "
-                    "combined with at, count or places; leave it out"
+                    f"the key {name} applies only to the maximum over the complete section and "
+                    f"cannot be combined with at, count or places; leave out {name}"
                 )
         return self
 

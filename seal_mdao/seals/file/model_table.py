@@ -39,9 +39,9 @@ def at_stage_ends(file, where: str, given) -> tuple:
     values = given if isinstance(given, tuple) else (given,) * count
     if len(values) != count:
         raise SealFileError(
-            f"{where} has {len(values)} numbers, but {file.leading.name!r} has {count} "
-            f"{'stage' if count == 1 else 'stages'}; give one number for the end of every stage, "
-            "or a single number for all"
+            f"{where} has {len(values)} numbers, but the motion of {file.leading.name!r} has "
+            f"{count} {'stage' if count == 1 else 'stages'}; give one number for the end of every "
+            "stage, or a single number for all"
         )
     return values
 
@@ -113,8 +113,8 @@ def check_axisymmetric(file) -> None:
     for place, measure in enumerate(file.measures, 1):
         if getattr(measure, "length", None) is not None:
             raise SealFileError(
-                f'[[measure]] {place}: length needs kinematics = "{PLANE_STRAIN}"; leave it out, '
-                "because the forces of a ring are already in N"
+                f'[[measure]] {place}: length needs kinematics = "{PLANE_STRAIN}"; leave out '
+                "length, because the forces of a body of revolution are already in N"
             )
 
 
@@ -158,8 +158,8 @@ def _check_edges_on_axis(file) -> None:
         for name in names:
             if name in on_axis:
                 raise SealFileError(
-                    f"{where} has {name!r}, which lies on the axis of revolution and is not a "
-                    "surface; remove it"
+                    f"{where} contains the edge {name!r}, which lies on the axis of revolution and "
+                    "is not a surface; remove this edge"
                 )
 
 

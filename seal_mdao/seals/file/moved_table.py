@@ -43,13 +43,15 @@ class MovedTable(Staged, Table):
             for axis, travel in zip("xy", stage.translate, strict=True):
                 if travel and axis not in self.directions:
                     raise ValueError(
-                        f"[[moved.stage]] {number} translates along {axis}, but directions "
-                        f"contains only {', '.join(self.directions)}; add {axis!r} to directions"
+                        f"[[moved.stage]] {number} translates the edges along {axis}, but the list "
+                        f"directions contains only {', '.join(self.directions)}; add {axis!r} to "
+                        "directions"
                     )
             if stage.rotate and len(self.components) < 2:
                 raise ValueError(
-                    f"[[moved.stage]] {number} rotates, which needs both directions, but "
-                    f'directions contains only {self.directions[0]}; use directions = ["x", "y"]'
+                    f"[[moved.stage]] {number} rotates the edges, which needs both directions, but "
+                    f"the list directions contains only {self.directions[0]}; use directions = "
+                    '["x", "y"]'
                 )
         return self
 

@@ -29,17 +29,24 @@ class Constraint(Table):
     def _bounds(self):
         # lower <= c <= upper, one of them at least
         if self.lower is None and self.upper is None:
-            raise ValueError("needs lower, upper or both, but has neither")
+            raise ValueError(
+                "a constraint needs a lower limit (lower), an upper limit (upper) or both, but has "
+                "neither"
+            )
         if self.lower is None or self.upper is None:
             return self
         low, high = np.atleast_1d(self.lower), np.atleast_1d(self.upper)
         if low.size != high.size and 1 not in (low.size, high.size):
             raise ValueError(
-                f"lower has {low.size} numbers, but upper has {high.size}; give equally many"
+                f"the lower limits (lower) are {low.size} numbers, but the upper limits (upper) "
+                f"are {high.size}; both lists must have the same length"
             )
         low, high = np.broadcast_arrays(low, high)
         for above in np.flatnonzero(low > high)[:1]:
-            raise ValueError(f"lower = {low[above]:g} is above upper = {high[above]:g}")
+            raise ValueError(
+                f"the lower limit lower = {low[above]:g} is above the upper limit upper = "
+                f"{high[above]:g}"
+            )
         return self
 
     def check_size(self, where: str, count: int) -> None:

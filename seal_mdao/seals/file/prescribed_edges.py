@@ -13,7 +13,10 @@ def check_edges(where: str, key: str, names, outline: Outline) -> None:
     for i, name in enumerate(names):
         known(where, key, name, outline.edge_names, "edge")
         if name in names[:i]:
-            raise SealFileError(f"{where}: {key} names the edge {name!r} twice; remove one")
+            raise SealFileError(
+                f"{where}: the list {key} contains the edge {name!r} twice; remove one of the two "
+                "names"
+            )
 
 
 def held(file) -> list:
@@ -49,8 +52,8 @@ def check_moved(file) -> None:
         for name in names:
             if name in owners:
                 raise SealFileError(
-                    f"{where}: {key} has {name!r}, which {owners[name][0]} already constrains; "
-                    "remove it from one of them"
+                    f"{where}: the list {key} contains the edge {name!r}, which {owners[name][0]} "
+                    "already constrains; remove this edge from one of the two tables"
                 )
         for name in names:
             _check_corners(outline, name, (where, components, pivot, stages), owners)
@@ -99,7 +102,8 @@ def check_friction_by_edge(where: str, profile) -> None:
     missing = [name for name in profile.contact if name not in profile.friction.names]
     if missing:
         raise SealFileError(
-            f"{where}: friction has no coefficient for the edge {missing[0]!r}; add it"
+            f"{where}: the key friction has no coefficient for the edge {missing[0]!r}; add a "
+            "coefficient for this edge"
         )
 
 
@@ -116,6 +120,6 @@ def check_pairs(self_contact) -> None:
         if frozenset(pair.edges) in seen:
             raise SealFileError(
                 f"{where}: the pair of edges {' and '.join(pair.edges)} is already in "
-                f"{seen[frozenset(pair.edges)]}; remove one"
+                f"{seen[frozenset(pair.edges)]}; remove one of the two tables"
             )
         seen[frozenset(pair.edges)] = where

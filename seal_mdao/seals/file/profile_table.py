@@ -139,7 +139,10 @@ class ProfileTable(Staged, SegmentTable):
         if self.shape is None:
             check_simple(_corners(self.segments), self.closed)
         elif curves:
-            raise ValueError(f"{curves[0]} and shape are given together; use one of them")
+            raise ValueError(
+                f"the keys {curves[0]} and shape both define the curve of the profile; use only "
+                "one of them"
+            )
         return self
 
     @cached_property
@@ -149,7 +152,8 @@ class ProfileTable(Staged, SegmentTable):
         alone = [kind for kind in KINDS if getattr(self, kind) is not None]
         if self.segment is not None and alone:
             raise ValueError(
-                f"{alone[0]} and [[profile.segment]] are given together; use one of them"
+                f"the key {alone[0]} and the tables [[profile.segment]] both define the curve of "
+                "the profile; use only one of them"
             )
         pieces = (self,) if self.segment is None else self.segment
         # one segment in this table, or those of [[profile.segment]] head to tail

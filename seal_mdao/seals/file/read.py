@@ -89,7 +89,7 @@ def _parsed(path) -> dict:
         raise SealFileError(f"not valid TOML: {' '.join(str(error).split())}") from None
     if not found:
         raise SealFileError(
-            f"the file is empty; it needs at least {_written((*NEEDED, MOVING[0]))}"
+            f"the seal file is empty; it needs at least {_written((*NEEDED, MOVING[0]))}"
         )
     return found
 
@@ -105,8 +105,8 @@ def _read(given, path) -> SealFile:
     for name in given:
         if name not in TABLES:
             raise SealFileError(
-                f"unknown table or key {name!r}{suggestion(name, TABLES)}; the tables are "
-                + ", ".join(TABLES)
+                f"the seal file has an unknown table or key {name!r}{suggestion(name, TABLES)}; "
+                "the tables are " + ", ".join(TABLES)
             )
     # tables that every seal needs
     missing = [name for name in NEEDED if name not in given]
@@ -154,12 +154,12 @@ def _check_profile_names(profiles) -> None:
         if name in names[:i]:
             raise SealFileError(
                 f"[[profile]] {i + 1}: name = {name!r}, but an earlier [[profile]] has this name; "
-                "give it another name"
+                "give every profile a different name"
             )
         if name == "structure":
             raise SealFileError(
-                f"[[profile]] {i + 1}: name = 'structure' is reserved for the body; give it "
-                "another name"
+                f"[[profile]] {i + 1}: name = 'structure' is reserved for the seal itself; give "
+                "this profile another name"
             )
 
 

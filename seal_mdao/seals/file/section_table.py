@@ -78,8 +78,8 @@ class RaysTable(Table):
         least = LEAST_LAYERS[self.accuracy]
         if self.layers < least:
             raise ValueError(
-                f"layers = {self.layers} with the accuracy {self.accuracy!r}, which needs at least "
-                f"{least} layers; 4 is a suitable value"
+                f"layers = {self.layers} is too small: the accuracy {self.accuracy!r} needs at "
+                f"least {least} layers of particles across the wall; 4 is a suitable value"
             )
         return self
 
@@ -143,25 +143,29 @@ class WrittenSection(Table):
         if nominal == (self.outer is not None):
             has = "both" if nominal else "neither"
             raise ValueError(
-                "the outline must be given by either [[section.outer]] or dxf, but the file has "
-                f"{has}"
+                "the outline of the section must be given either by [[section.outer]] or by a "
+                f"drawing (dxf), but the seal file has {has}"
             )
         if nominal and self.hole is not None:
             raise ValueError(
-                "[[section.hole]] cannot be combined with dxf; draw the holes in the drawing"
+                "[[section.hole]] cannot be combined with a drawing (dxf); draw the holes in the "
+                "drawing"
             )
         if not nominal and self.units is not None:
             raise ValueError(
-                "units applies to a drawing (dxf) only; leave it out, because all lengths in a "
-                "seal file are in mm"
+                "the key units applies only to a drawing (dxf); leave out units, because all "
+                "lengths in a seal file are in mm"
             )
         for name in ("parting", "ignore"):
             if not nominal and getattr(self, name) is not None:
-                raise ValueError(f"{name} names layers of a drawing and needs dxf; leave it out")
+                raise ValueError(
+                    f"the key {name} names layers of a drawing, but the seal file has no drawing "
+                    f"(dxf); leave out {name}"
+                )
         if self.parting is not None and self.region is None:
             raise ValueError(
-                "parting has no effect without [[section.region]]; add one with the material on "
-                "one side of the parting lines"
+                "the lines between two materials (layers in parting) have no effect without "
+                "[[section.region]]; add a region with the material on one side of these lines"
             )
         return self
 
@@ -171,25 +175,29 @@ class WrittenSection(Table):
         given = [name for name in FILLINGS if getattr(self, name) is not None]
         if len(given) != 1:
             raise ValueError(
-                "exactly one of spacing (the largest distance of particles in mm), rays and cloud "
-                "is needed, but it has " + (" and ".join(given) or "none of them")
+                "the section needs exactly one of the keys spacing (largest distance of particles in "
+                "mm), rays (radial rows) and cloud (mesh file), but has "
+                + (" and ".join(given) or "none of them")
             )
         if self.rays is not None and self.region is not None:
-            raise ValueError("[[section.region]] cannot be combined with rays; use spacing")
+            raise ValueError(
+                "[[section.region]] cannot be combined with radial rows of particles (rays); use "
+                "spacing instead"
+            )
         if self.layers is not None and self.spacing is None:
             raise ValueError(
-                "layers can only be combined with spacing; rays and cloud define their own layers, "
-                "so leave it out"
+                "the key layers can only be combined with spacing; rays and cloud define their own "
+                "layers, so leave out layers"
             )
         if self.edge_spacing is not None and self.spacing is None:
             raise ValueError(
-                "edge_spacing can only be combined with spacing; rays and cloud define their own "
-                "particles, so leave it out"
+                "the key edge_spacing can only be combined with spacing; rays and cloud define "
+                "their own particles, so leave out edge_spacing"
             )
         if self.quadrature is not None and self.spacing is None:
             raise ValueError(
-                "quadrature can only be combined with spacing; rays (accuracy) and cloud define "
-                "their own quadrature, so leave it out"
+                "the key quadrature can only be combined with spacing; rays (accuracy) and cloud "
+                "define their own quadrature, so leave out quadrature"
             )
         return self
 
@@ -343,7 +351,8 @@ def _trimmed(where: str, line, outline: Outline) -> tuple[Outline, list]:
         return outline, []
     if len(line) == 2 and np.hypot(*np.subtract(*line)) <= JOIN:
         raise SealFileError(
-            f"{where}: line begins and ends at {pair(line[0])}; it must connect two different points"
+            f"{where}: the line between two materials begins and ends at {pair(line[0])}; it must "
+            "connect two different points of the boundary"
         )
     try:
         return trimmed(outline, line)
@@ -366,9 +375,9 @@ def check_section(file) -> None:
         known(where, "material", region.material, tuple(file.materials), "material")
         if region.material in seen:
             raise SealFileError(
-                f"{where}: material = {region.material!r}, which {seen[region.material]} already "
-                "has; give every region a different material (two materials may have equal "
-                "constants)"
+                f"{where}: material = {region.material!r}, but {seen[region.material]} already has "
+                "this material; give every region a different material (two materials may have "
+                "equal constants)"
             )
         seen[region.material] = where
         _check_region(where, region, section)
@@ -381,8 +390,8 @@ def _check_spacing(spacing, outline) -> None:
     hint = f" ({size})" if size else ""
     if spacing >= 0.5 * small:
         raise SealFileError(
-            f"[section]: spacing = {spacing:g}, which is not less than half of the width of the "
-            f"section, {small:.4g} mm; choose a smaller one" + hint
+            f"[section]: spacing = {spacing:g} mm is not less than half of the smaller dimension of "
+            f"the section, {small:.4g} mm; choose a smaller spacing" + hint
         )
     # about area / spacing^2 particles
     least = np.sqrt(outline.area / MOST_PARTICLES)

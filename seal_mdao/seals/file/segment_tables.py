@@ -50,8 +50,8 @@ class SegmentTable(Table):
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
             raise ValueError(
-                f"needs exactly one of {', '.join(KINDS)}; it has "
-                + (" and ".join(given) or "none of them")
+                f"a segment of a curve needs exactly one of the keys {', '.join(KINDS)}, but this "
+                "one has " + (" and ".join(given) or "none of them")
             )
         try:
             return self._made(edge)

@@ -59,23 +59,24 @@ def check_softening(file) -> None:
         where = f"[material.{name}.softening]"
         if not is_isochoric(file.materials[name]):
             raise SealFileError(
-                f"{where}: softening is available for nearly incompressible laws only, but this "
-                "law is compressible; leave softening out"
+                f"{where}: Mullins softening is available for nearly incompressible material laws "
+                "only, but this law is compressible; leave out softening"
             )
         relaxing = [n for n, own in file.material_tables.items() if own.viscoelastic is not None]
         if relaxing:
             raise SealFileError(
-                f"{where}: softening together with relaxation ([material.{relaxing[0]}.viscoelastic]) "
-                "is not available; leave out either"
+                f"{where}: Mullins softening cannot be combined with relaxation "
+                f"([material.{relaxing[0]}.viscoelastic]); leave out either"
             )
         if file.model.axial_stretch is not None:
             raise SealFileError(
-                f"{where}: softening cannot be combined with axial_stretch; leave out either"
+                f"{where}: Mullins softening cannot be combined with axial_stretch; leave out "
+                "either"
             )
     for place, measure in enumerate(file.measures, 1):
         if softening and measure.type in _WITHOUT_HISTORY:
             raise SealFileError(
                 f"[[measure]] {place}: {measure.type} is not available with softening "
                 f"([material.{softening[0]}.softening]): {_WITHOUT_HISTORY[measure.type]}; leave "
-                "it out"
+                "out this measure"
             )

@@ -32,7 +32,9 @@ def read_target(path: Path) -> tuple[tuple, tuple]:
         for where, line in filled_lines(path, SealFileError)
     ]
     if not filled or sorted(filled[0][1]) != sorted(COLUMNS):
-        raise SealFileError(f"{path}: the first line must name the columns {','.join(COLUMNS)}")
+        raise SealFileError(
+            f"{path}: the first line of a target curve must name the columns {','.join(COLUMNS)}"
+        )
     columns = filled[0][1]
     rows = [_reading(*own) for own in filled[1:]]
     if not 1 <= len(rows) <= MOST_READINGS:
@@ -52,6 +54,7 @@ def _reading(where: str, cells: list[str]) -> list[float]:
         numbers = []
     if len(numbers) != len(COLUMNS) or not np.isfinite(numbers).all():
         raise SealFileError(
-            f"{where}: the line must have two numbers separated by a comma, with decimal points"
+            f"{where}: the line of a target curve must have two numbers separated by a comma, with "
+            "decimal points"
         )
     return numbers

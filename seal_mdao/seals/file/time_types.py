@@ -29,8 +29,8 @@ class RetainedForceTable(ReactionTable):
         given = self.stage if self.time is None else self.time
         if not isinstance(given, tuple) or len(given) != 2:
             raise ValueError(
-                "stage or time must have two numbers, such as stage = [1, 2] for the force at the "
-                "end of stage 2 relative to that at the end of stage 1"
+                "the key stage or time must have two numbers, such as stage = [1, 2] for the force "
+                "at the end of stage 2 relative to that at the end of stage 1"
             )
         return self
 
@@ -53,7 +53,7 @@ class TimeToForceFractionTable(ReactionTable):
         if not relaxes(file):
             raise SealFileError(
                 f"{where}: {self.type} needs a viscoelastic material; add "
-                "[material.NAME.viscoelastic], or leave the measure out"
+                "[material.NAME.viscoelastic], or leave out this measure"
             )
         super().check(where, file)
         if self.stage == len(file.stages) or not dwells(file, self.stage):
@@ -80,7 +80,7 @@ class CompressionSetTable(MeasureTable):
         stages = len(file.stages)
         if self.stage >= stages:
             raise SealFileError(
-                f"{where}: stage = {self.stage}, but the path has {stages} "
-                f"stage{'s' if stages > 1 else ''}, and compression set needs a later stage after "
-                "it"
+                f"{where}: stage = {self.stage}, but the motion has only {stages} "
+                f"stage{'s' if stages > 1 else ''}, and compression set is measured after a later "
+                "stage"
             )

@@ -82,14 +82,18 @@ class ToleranceTable(Table):
             raise PydanticCustomError(FORM, "{allowed}", {"allowed": allowed})
         for name in given:
             if not name.strip() or not name.isprintable():
-                raise ValueError(f"{formatted(name)} is not a valid name; use printable characters")
+                raise ValueError(
+                    f"{formatted(name)} is not a valid name of a manufacturing tolerance; use "
+                    "printable characters"
+                )
         return given
 
     @model_validator(mode="after")
     def _something_varies(self):
         if not self.vary and self.boundary is None:
             raise ValueError(
-                "no tolerance is given; add [vary.NAME] for a parameter, or [boundary]"
+                "the file has no manufacturing tolerance; add a table [vary.NAME] for a parameter, "
+                "or [boundary] for random errors of the boundary"
             )
         return self
 
@@ -114,9 +118,10 @@ class ToleranceTable(Table):
                 label = parameter.removesuffix(TRAVEL)
                 if label != parameter and f"{label}_y" in seal.scalars:
                     raise SealFileError(
-                        f"{place}: {parameter} cannot have a tolerance, because it can vary in "
-                        f"sweeps only; give a tolerance of the position of the profile instead: "
-                        f"{label}_x or {label}_y (shift, mm) or {label}_angle (degrees)"
+                        f"{place}: the parameter {parameter} cannot have a manufacturing "
+                        "tolerance, because it can vary only in sweeps; give a tolerance of the "
+                        f"position of the profile instead: {label}_x or {label}_y (shift, mm) or "
+                        f"{label}_angle (degrees)"
                     )
                 known(place, "parameters", parameter, list(seal.scalars), "parameter of the seal")
                 # 0 n = 0: nothing would vary

@@ -75,8 +75,8 @@ class ViscoelasticTable(Table):
     def _possible(self):
         if self.wlf is not None and self.arrhenius is not None:
             raise ValueError(
-                "wlf and arrhenius are given together, but are two laws of the same shift; use one "
-                "of them"
+                "the keys wlf and arrhenius are given together, but are two laws of the same "
+                "temperature shift; use only one of them"
             )
         # refuses parts and times that do not belong together
         self.made()
@@ -179,14 +179,14 @@ def check_relaxation(file) -> None:
     _check_times(file, relaxing)
     if file.model.axial_stretch is not None:
         raise SealFileError(
-            f"[material.{relaxing}.viscoelastic]: relaxation cannot be combined with "
+            f"[material.{relaxing}.viscoelastic]: viscoelasticity cannot be combined with "
             "axial_stretch; leave out either"
         )
     for place, measure in enumerate(file.measures, 1):
         if measure.type in _WITHOUT_TIME:
             raise SealFileError(
                 f"[[measure]] {place}: {measure.type} is not available with relaxation: "
-                f"{_WITHOUT_TIME[measure.type]}; leave it out"
+                f"{_WITHOUT_TIME[measure.type]}; leave out this measure"
             )
 
 
@@ -217,5 +217,5 @@ def _check_times(file, relaxing: str) -> None:
                 if own is not first and stage.duration is not None:
                     raise SealFileError(
                         f"{where} has a duration, but the stages of {first.name!r} already define "
-                        "the times; leave it out"
+                        "the times; leave out this duration"
                     )

@@ -87,7 +87,7 @@ class Arc(_Round):
         require(
             0.0 < abs(self.sweep) < 2.0 * np.pi,
             "the angle of an arc must be between 0 and 360 degrees, got "
-            f"{np.degrees(self.sweep):g}; use a circle for a full turn",
+            f"{np.degrees(self.sweep):g}; use a circle instead of an arc for 360 degrees",
         )
 
     @classmethod
@@ -116,7 +116,7 @@ class Arc(_Round):
         require(
             abs(cross) > COLLINEAR * longest,
             f"start {pair(a)}, through {pair(b)} and end {pair(c)} of an arc are collinear; use a "
-            "line",
+            "line instead of an arc",
         )
         # circumcentre c - a = (v_y u.u - u_y v.v, u_x v.v - v_x u.u) / (2 u x v)
         to_centre = np.array([v[1] * (u @ u) - u[1] * (v @ v), u[0] * (v @ v) - v[0] * (u @ u)])

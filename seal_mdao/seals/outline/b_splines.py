@@ -113,8 +113,8 @@ class _Curve:
                 break
             if u.size > _MOST_PIECES:
                 raise GeometryError(
-                    f"a rational spline cannot be approximated within {FIT:g} mm; replace it by "
-                    "arcs or a polynomial spline"
+                    f"a rational spline of the drawing cannot be approximated within {FIT:g} mm; "
+                    "replace it by arcs or a polynomial spline"
                 )
             u = np.sort(np.concatenate([u, 0.5 * (u[1:] + u[:-1])]))
         return Spline(tuple(map(tuple, points.tolist())), edge, tuple(u), tuple(map(tuple, ends)))

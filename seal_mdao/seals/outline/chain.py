@@ -54,15 +54,16 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
             is_last = closed and j == 1
             raise GeometryError(
                 ("the contour is open: " if is_last else "")
-                + f"segment {i} (edge {one.edge!r}) ends at {pair(one.end)} but segment {j} (edge "
-                f"{other.edge!r}) begins at {pair(other.start)}, {gap:.3g} mm away"
+                + f"segment {i} (edge {one.edge!r}) ends at {pair(one.end)}, but the next segment "
+                f"{j} (edge {other.edge!r}) begins at {pair(other.start)}, {gap:.3g} mm away"
             )
         # angle between the segments at the joint: atan2(|t x b|, t . b) of tangent and reversed tangent
         ahead, back = one.tangents([1.0])[0], -other.tangents([0.0])[0]
         angle = np.arctan2(abs(ahead[0] * back[1] - ahead[1] * back[0]), ahead @ back)
         if angle < FOLDED:
             raise GeometryError(
-                f"{where} fold back on each other at {pair(one.end)}; remove the overlapping one"
+                f"{where} overlap at {pair(one.end)}, where the boundary reverses its direction; "
+                "remove one of the two segments"
             )
     return _joined(tuple(segments), join, closed)
 
@@ -72,8 +73,8 @@ def check_count(count: int) -> None:
     if count > MOST_SEGMENTS:
         raise GeometryError(
             f"{count} segments (lines, arcs, splines) are more than the limit of {MOST_SEGMENTS}; "
-            "draw the section with fewer and longer ones, or ignore layers that are not its "
-            "boundary"
+            "draw the section with fewer and longer segments, or ignore layers that are not the "
+            "boundary of the section"
         )
 
 
@@ -119,11 +120,14 @@ def _check_segment(number, segment, join, alone) -> None:
     """Refuse what is no segment, has no edge, or is a circle among others."""
     if not isinstance(segment, Segment):
         raise GeometryError(
-            f"segment {number} must be a line, arc, circle or spline, got {segment!r}"
+            f"segment {number} of the boundary must be a line, arc, circle or spline, got "
+            f"{segment!r}"
         )
     where = f"segment {number} (edge {segment.edge!r})"
     if not isinstance(segment.edge, str) or not segment.edge:
-        raise GeometryError(f"segment {number} needs the name of its edge, got {segment.edge!r}")
+        raise GeometryError(
+            f"segment {number} of the boundary needs the name of its edge, got {segment.edge!r}"
+        )
     if isinstance(segment, Circle) and not alone:
         raise GeometryError(
             f"{where} is a circle, which must be the only segment of a contour; use arcs to "
@@ -139,14 +143,15 @@ def _check_length(number, segment, join, segments) -> None:
     points = np.concatenate([own.points([0.0, 0.5, 1.0]) for own in segments])
     size = float(np.ptp(points, axis=0).max())
     unit = (
-        f"; the complete contour is only {size:.3g} mm in size; lengths are in mm, are these in "
-        "metres?"
+        f"; the complete contour is only {size:.3g} mm in size; lengths must be in mm (are these "
+        "in metres?)"
         if size < USUAL[0]
         else ""
     )
     raise GeometryError(
         f"segment {number} (edge {segment.edge!r}) at {pair(segment.start)} is only "
-        f"{segment.length:.3g} mm long; leave it out or make it longer than {SHORTEST * join:g} mm{unit}"
+        f"{segment.length:.3g} mm long; leave out this segment or make it longer than "
+        f"{SHORTEST * join:g} mm{unit}"
     )
 
 
@@ -196,8 +201,8 @@ def _check_nodes(ends, at, names) -> None:
         if len(numbers) > 2:
             which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
             raise GeometryError(
-                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; in a contour "
-                "exactly two ends meet (is a segment drawn twice?)"
+                f"{len(numbers)} ends meet at {pair(ends[numbers[0]])}: {which}; exactly two ends "
+                "of segments must meet in a closed contour (is a segment drawn twice?)"
             )
     # an end that meets no other, and the nearest one of these
     loose = [numbers[0] for numbers in at.values() if len(numbers) == 1]

@@ -115,7 +115,8 @@ def _mesh(path):
         raise
     except (Exception, SystemExit) as error:  # meshio leaves the program at some files
         raise GeometryError(
-            f"the mesh cannot be read ({reason_of(error)}); check the format of the file"
+            f"the mesh file (cloud) cannot be read ({reason_of(error)}); check the format of the "
+            "file"
         ) from None
 
 
@@ -125,8 +126,8 @@ def _require_one_file(path) -> None:
     content = read_bytes(path) if path.suffix.lower() == ABAQUS else b""
     if path.suffix.lower() in XDMF or b"include" in content.lower().replace(b"*", b""):
         raise GeometryError(
-            "the mesh refers to other files, which are not read; save it as a single file, such as "
-            "VTU"
+            "the mesh file (cloud) refers to other files, which are not read; save the mesh as a "
+            "single file, such as VTU"
         )
     require_ordinary(path)
 
@@ -171,8 +172,8 @@ def _loops(cells) -> list[np.ndarray]:
         # a directed side without its opposite is on the boundary; two from one particle: touching parts
         if (b, a) not in every and following.setdefault(a, b) != b:
             raise GeometryError(
-                "two parts of the boundary of the mesh touch in a point; separate them or connect "
-                "them along a side"
+                "two parts of the boundary of the mesh touch in a single point; separate these "
+                "parts or connect them along the side of a cell"
             )
     # follow the sides from the least particle until the loop closes
     loops = []
@@ -191,7 +192,7 @@ def _matched(outline, particles, loops) -> tuple[tuple, tuple]:
     if len(loops) != len(outline.contours):
         raise GeometryError(
             f"the mesh has {len(loops)} closed boundaries, but the section has "
-            f"{len(outline.contours)}; both must have the same outline and holes"
+            f"{len(outline.contours)}; mesh and section must have the same outline and holes"
         )
     found, boundaries = [], []
     for contour in outline.contours:
@@ -215,20 +216,22 @@ def _kernels(mesh) -> Kernels:
     # one basis, one size of columns and one rule for all cells
     order, column = _of_cells(mesh, BASIS, 1), _of_cells(mesh, COLUMN, None)
     if order.min() != order.max() or order[0] not in BASIS_SIZE:
-        raise GeometryError(f"the cell data {BASIS} must be 1 or 2, the same for all cells")
+        raise GeometryError(
+            f"the cell data {BASIS} of the mesh must be 1 or 2, the same for all cells"
+        )
     size = np.count_nonzero(column == column[0])
     # equal columns of consecutive cells, as ``Body.column`` needs them
     if len(column) % size or np.any(column != np.repeat(column[::size], size)):
         raise GeometryError(
-            f"the cells of one {COLUMN} must be consecutive, with the same number of cells in "
-            "every column"
+            f"the cells of the mesh with the same value of the cell data {COLUMN} must be "
+            "consecutive, with the same number of cells in every column"
         )
     gauss = _of_cells(mesh, GAUSS, 2).reshape(len(order), -1)
     low, high = GAUSS_POINTS
     if gauss.shape[1] > 2 or np.any((gauss != gauss[0]) | (gauss < low) | (gauss > high)):
         raise GeometryError(
-            f"the cell data {GAUSS} must be one or two numbers from {low} to {high}, the same for "
-            "all cells"
+            f"the cell data {GAUSS} of the mesh must be one or two numbers from {low} to {high}, "
+            "the same for all cells"
         )
     return Kernels(
         basis_order=int(order[0]), column=int(size), n_gauss=in_both_directions(gauss[0])

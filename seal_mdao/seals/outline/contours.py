@@ -135,8 +135,8 @@ class Outline:
         for contour, title in zip(self.contours, self.titles, strict=True):
             if contour.area < 0.0 and contour not in self.holes:
                 raise GeometryError(
-                    f"{title} (edges {', '.join(contour.edge_names)}) runs clockwise; reverse "
-                    "its direction, so that the material lies on the left"
+                    f"{title} (edges {', '.join(contour.edge_names)}) runs clockwise; reverse the "
+                    "direction of this contour, so that the material lies on the left"
                 )
         check_nested(labelled, self.titles, len(self.holes))
 
@@ -237,8 +237,8 @@ class Outline:
                         else f"on {seen[name]} and on {where}"
                     )
                     raise GeometryError(
-                        f"the edge {name!r} is {places}; an edge is one connected part of the "
-                        "boundary: give the second part a different name (in a drawing, a "
+                        f"the edge {name!r} is {places}; an edge must be one connected part of the "
+                        "boundary; give the second part a different name (in a drawing, a "
                         "different layer)"
                     )
                 seen[name] = where

@@ -39,7 +39,8 @@ def check_apart(contours, titles, distance: float) -> None:
         what = f"itself (edge {names[b]!r})"
     at = shapely.get_coordinates(shapely.shortest_line(sides[a], sides[b]))[0]
     raise GeometryError(
-        f"{titles[contour[a]]}, edge {names[a]!r}, {kind} {what} at {pair(at)}; separate them"
+        f"{titles[contour[a]]}, edge {names[a]!r}, {kind} {what} at {pair(at)}; separate the two "
+        "parts of the boundary"
     )
 
 
@@ -64,12 +65,12 @@ def check_nested(contours, titles, n_holes: int) -> None:
         if i in holes and around is None:
             raise GeometryError(
                 f"{where} lies outside of {'every body' if several else 'the outer contour'}; move "
-                "it inside"
+                "this hole inside"
             )
         # contours alternate inwards: body, hole, body in the hole, ...
         if around is not None and (i in holes) == (around in holes):
             raise GeometryError(
-                f"{where} lies inside of {titles[around]}; move one of them, or remove it"
+                f"{where} lies inside of {titles[around]}; move or remove one of these contours"
             )
 
 

@@ -19,7 +19,7 @@ def checked_names(names, known) -> None:
     """Raise ValueError for a name that no edge has."""
     for name in names:
         if name not in known:
-            raise ValueError(f"no edge is called {name!r}; edges are {', '.join(known)}")
+            raise ValueError(f"the section has no edge {name!r}; its edges are {', '.join(known)}")
 
 
 @contextmanager
@@ -94,7 +94,9 @@ def _require_supported(sampled, columns, supports, remedy: str) -> None:
         which = which if len(components) == 2 else which[[0, -1]]
         if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
             what = "is fixed" if len(components) == 2 else "stays in its plane"
-            raise ValueError(f"it would move the edge {name!r}, which {what}; {remedy}")
+            raise ValueError(
+                f"the design parameter would move the edge {name!r}, which {what}; {remedy}"
+            )
 
 
 def _slide(velocity, points, along, component) -> None:

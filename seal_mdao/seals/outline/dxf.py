@@ -151,7 +151,7 @@ def _check_layers(document, **wanted) -> None:
                 near = get_close_matches(name.casefold(), [own.casefold() for own in filled], 1)
                 hint = f" (did you mean {every[near[0]]!r}?)" if near else ""
                 raise GeometryError(
-                    f"{key} = {name!r}, but there is no such layer{hint}; the layers are "
+                    f"{key} = {name!r}, but the drawing has no such layer{hint}; its layers are "
                     + ", ".join(filled)
                 )
 
@@ -161,8 +161,8 @@ def _outline_of(pieces, layers) -> Outline:
     check_count(len(pieces))
     if not pieces:
         raise GeometryError(
-            "nothing is drawn in the model space on visible layers, except annotation; move the "
-            "section to the model space and switch its layer on"
+            "the drawing has no section: its model space has nothing on visible layers, except "
+            "annotation; move the section to the model space and make its layers visible"
         )
     segments, names = zip(*pieces, strict=True)
     try:
@@ -280,7 +280,8 @@ def drawing_library():
         return import_module("ezdxf")
     except ImportError as error:
         raise ImportError(
-            "drawings need ezdxf, which is not installed: pip install seal_mdao[dxf]"
+            "reading DXF drawings needs the Python package ezdxf, which is not installed: pip "
+            "install seal_mdao[dxf]"
         ) from error
 
 
@@ -309,8 +310,8 @@ def _units(document, wanted) -> str:
     # $INSUNITS = 0 means unitless: the caller has to state the unit
     if code == 0 and wanted is None:
         raise GeometryError(
-            "the drawing has no units ($INSUNITS in its header is missing or 0); set them in the "
-            "drawing, or give units in [section] (--units of the command), one of "
+            "the drawing has no unit of length ($INSUNITS in its header is missing or 0); set the "
+            "unit in the drawing, or give units in [section] (--units of the command), one of "
             f"{', '.join(MODEL_UNITS)}"
         )
     if code == 0:
@@ -323,6 +324,6 @@ def _units(document, wanted) -> str:
     if wanted not in (None, UNITS[code]):
         raise GeometryError(
             f"units = {wanted!r} contradicts the header of the drawing ($INSUNITS: {UNITS[code]}); "
-            "leave units out, or correct the drawing"
+            "leave out units, or correct the drawing"
         )
     return UNITS[code]

@@ -26,7 +26,7 @@ def layer_name(name: str) -> str:
     forbidden = [sign for sign in name if sign in FORBIDDEN or ord(sign) < 32]
     if forbidden:
         raise GeometryError(
-            f"the name {name!r} contains {forbidden[0]!r}, which is not allowed in the "
+            f"the name {name!r} of an edge contains {forbidden[0]!r}, which is not allowed in the "
             f"name of a DXF layer; avoid {' '.join(FORBIDDEN)} and control characters"
         )
     return name
@@ -52,7 +52,7 @@ def _segments(placed, scale) -> list:
     entity, kind = placed.entity, placed.entity.dxftype()
     if kind not in _READERS:
         raise GeometryError(
-            f"entities of this kind are not read, only {', '.join(_READERS)}; explode the entity, "
+            f"a drawing can contain only the entities {', '.join(_READERS)}; explode this entity, "
             "or name its layer in ignore of [section]"
         )
     # these have their own plane; lines, splines and ellipses are in the coordinates of the drawing
@@ -75,7 +75,7 @@ def _check_normal(entity) -> None:
     if np.abs(np.abs(normal) - [0.0, 0.0, 1.0]).max() > _LEVEL:
         raise GeometryError(
             f"the entity does not lie in the plane of the drawing (normal {tuple(normal)}); rotate "
-            "it into the x-y plane"
+            "the entity into the x-y plane"
         )
 
 
@@ -85,7 +85,7 @@ def _planar(points, scale) -> np.ndarray:
     if np.ptp(points[:, 2]) > _LEVEL * (1.0 + np.abs(points).max()):
         raise GeometryError(
             "the entity does not lie in the plane of the drawing, because its z coordinate varies; "
-            "flatten it"
+            "project the entity to z = 0"
         )
     return scale * points[:, :2]
 
@@ -120,8 +120,8 @@ def _old_polyline(entity, scale, edge):
     """Convert a POLYLINE, the only kind of polyline of R12, with the vertices of its curve."""
     if not (entity.is_2d_polyline or entity.is_3d_polyline):
         raise GeometryError(
-            "the entity is a mesh, not a polyline; draw the boundary with lines, arcs, polylines "
-            "or splines"
+            "the polyline entity is a mesh; draw the boundary with lines, arcs, polylines or "
+            "splines"
         )
     # control points of a curve that was fitted are no points of it
     own = [vertex for vertex in entity.vertices if not vertex.dxf.flags & FRAME]
@@ -146,7 +146,10 @@ def _sides(vertices, closed: bool, scale, edge) -> list:
         a, b = scale * one[:2], scale * other[:2]
         if (a == b).all():
             following = 1 if closed and i == len(vertices) - 1 else i + 1
-            raise GeometryError(f"vertices {i} and {following} coincide at {pair(a)}; remove one")
+            raise GeometryError(
+                f"the vertices {i} and {following} of a polyline coincide at {pair(a)}; remove one "
+                "of the two vertices"
+            )
         bulge = float(one[2])
         if bulge == 0.0:
             found.append(Line(tuple(a), tuple(b), edge))
@@ -181,7 +184,8 @@ def _through_fit_points(entity, scale, edge):
     same = np.flatnonzero(~np.diff(fit, axis=0).any(axis=1))
     if same.size:
         raise GeometryError(
-            f"fit points {same[0] + 1} and {same[0] + 2} coincide at {pair(fit[same[0]])}"
+            f"the fit points {same[0] + 1} and {same[0] + 2} of a spline coincide at "
+            f"{pair(fit[same[0]])}; remove one of the two points"
         )
     tool = entity.construction_tool()
     control = _planar(tool.control_points, scale)

@@ -114,8 +114,8 @@ def _resolved(document, placed: Placed, depth: int):
     block = entity.dxf.get("name", "")
     if depth > DEEPEST:
         raise GeometryError(
-            f"{placed.name}: the block {block!r} contains itself; explode it or remove the inner "
-            "insert"
+            f"{placed.name}: the block {block!r} contains itself; explode the block or remove the "
+            "inner insert"
         )
     # attributes belong to the reference; rows and columns of one reference are single ones
     yield from (Placed(own, placed.layer, placed.name, True) for own in entity.attribs)

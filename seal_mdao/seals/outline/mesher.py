@@ -26,8 +26,8 @@ def _netgen():
         return import_module("netgen.geom2d")
     except ImportError as error:
         message = (
-            "filling a section with particles needs netgen-mesher, which is not installed: pip "
-            "install "
+            "filling a section with particles (key spacing) needs the Python package "
+            "netgen-mesher, which is not installed: pip install "
         )
         raise ImportError(message + "seal_mdao[mesh]") from error
 
@@ -92,8 +92,8 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
             return Triangles(points, triangles, _parts(triangles, divided))
     x, y = points[min(lost)[0]]
     raise GeometryError(
-        f"the sides of the boundary near ({x:.4g}, {y:.4g}) are much longer than their neighbours; "
-        "let the spacing change more gradually (edge_spacing)"
+        f"the particle spacing on the boundary near ({x:.4g}, {y:.4g}) is much larger than that of "
+        "neighbouring edges; choose spacings of edges that differ less (edge_spacing)"
     )
 
 
@@ -102,7 +102,9 @@ def _append_cut(geometry, cut, given, every, size):
     away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
     first, last = (every[int(a.argmin())] for a in away)
     if max(a.min() for a in away) > ON_LOOP or first == last:
-        raise GeometryError("a cut must connect two different points of the boundary")
+        raise GeometryError(
+            "a line between two materials (cut) must connect two different points of the boundary"
+        )
     between = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[1:-1]]
     for a, b in pairwise([first, *between, last]):
         geometry.Append(["line", a, b], leftdomain=1, rightdomain=1, maxh=float(size))

@@ -87,8 +87,8 @@ class OffsetDesign:
             return {name: _folded(part, own)}
         if self.between is None and self._part(sampled, image).left_out != part.left_out[::-1]:
             raise ValueError(
-                f"the edges {name!r} and {image!r} are mirror images, but only one of them "
-                "has a fixed end; fix both neighbours, or neither"
+                f"the edges {name!r} and {image!r} are mirror images, but only one of them ends at "
+                "a fixed edge; fix the neighbouring edges of both, or of neither"
             )
         # the offset at s of the image is that at c - s of the edge
         other = _basis(part, path, self.parameters, c - mirrored.along).T
@@ -113,8 +113,8 @@ class OffsetDesign:
             last = first + (last - first) % path.length
         if last - first <= SAME:
             raise ValueError(
-                f"the edge {name!r} runs from {pair(self.between[1])} to "
-                f"{pair(self.between[0])}; give the points of between in this order"
+                f"the edge {name!r} runs from {pair(self.between[1])} to {pair(self.between[0])}; "
+                "give the two points of the key between in this order"
             )
         # at an end of the edge as without between, else value and slope are zero
         ends = (first <= SAME, last >= path.length - SAME)
@@ -128,7 +128,8 @@ def _checked(part: _Part, count: int) -> _Part:
     left_out = 0 if part.loop else sum(part.left_out)
     if count + left_out < DEGREE + 1:
         raise ValueError(
-            f"the edge {part.name!r} needs at least {DEGREE + 1 - left_out} parameters, got {count}"
+            f"the edge {part.name!r} needs at least {DEGREE + 1 - left_out} design parameters "
+            f"(parameters), got {count}"
         )
     return part
 
@@ -141,8 +142,8 @@ def _image(sampled, name: str, plane: MirrorPlane) -> tuple[str, float]:
         if c is not None:
             return other, c
     raise ValueError(
-        f"no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = "
-        f"{plane.at:g}; draw the section symmetric to this plane, or leave mirror out"
+        f"no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = {plane.at:g}; "
+        "draw the section symmetric to this plane, or leave out mirror"
     )
 
 
@@ -160,8 +161,8 @@ def _folded(part: _Part, own) -> np.ndarray:
     count = len(own)
     if part.left_out[0] != part.left_out[1]:
         raise ValueError(
-            f"one end of the edge {part.name!r} is constrained and the other is free, so "
-            "its design cannot be symmetric; leave mirror out, or constrain both ends"
+            f"one end of the edge {part.name!r} is constrained and the other is free, so its "
+            "design cannot be symmetric; leave out mirror, or constrain both ends"
         )
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]
@@ -256,8 +257,9 @@ def _across(sampled, offsets: dict, names, across) -> dict:
         for end in (0, -1):
             if sampled.is_still(sampled.stretches[name], end) and np.abs(own[:, end]).max() > SAME:
                 raise ValueError(
-                    f"the edge {name!r} ends at an edge that does not move, but would move "
-                    "there with the wall; choose a part of the wall (between) that ends before"
+                    f"the edge {name!r} ends at an edge that does not move, but the design would "
+                    "move this end with the wall; choose a part of the wall (between) that ends "
+                    "before this point"
                 )
         found[name] = own
     return found

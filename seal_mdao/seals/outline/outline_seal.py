@@ -276,8 +276,8 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     several = len(seal.definitions[0].regions) > 1
     if several or not isinstance(seal.spacing, int | float):
         raise ValueError(
-            "only a section with a single material and a spacing can be filled with another cloud "
-            "of particles"
+            "only a section with a single material and the key spacing can be filled with other "
+            "particles"
         )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
@@ -306,14 +306,15 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
         if part in parts[:i]:
             one, other = others[i].at, others[parts.index(part)].at
             raise ValueError(
-                f"at = ({one[0]:.4g}, {one[1]:.4g}) and at = ({other[0]:.4g}, {other[1]:.4g}) lie "
-                "in the same part of the section; every region must be a different part"
+                f"the points at = ({one[0]:.4g}, {one[1]:.4g}) and at = ({other[0]:.4g}, "
+                f"{other[1]:.4g}) of two regions lie in the same part of the section; every "
+                "[[section.region]] must be a different part"
             )
     # cells of no other region belong to the rest
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
     if not remaining.size:
         raise ValueError(
-            "every part of the section is in a [[section.region]]; remove one region, so that its "
+            "every part of the section is in a [[section.region]]; remove one region, so that this "
             "part has the material of [section]"
         )
     cells = [remaining, *(np.flatnonzero(filled.parts == part) for part in parts)]

@@ -85,7 +85,8 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
     curve, section = shapely.LineString(line), outline.shape(FINE)
     if curve.intersection(section.buffer(-JOIN)).length <= JOIN:
         raise GeometryError(
-            f"from {pair(line[0])} to {pair(line[-1])} does not run through the section"
+            f"from {pair(line[0])} to {pair(line[-1])} between two materials does not run through "
+            "the section"
         )
     if curve.difference(section.buffer(JOIN)).is_empty:
         return outline, [line]
@@ -110,8 +111,9 @@ def check_uncrossed(lines) -> None:
         if one.crosses(other):
             at = one.intersection(other).representative_point().coords[0]
             raise GeometryError(
-                f"parting lines {i} and {j} cross at {pair(at)}; let every line lead from one point of "
-                "the boundary to another without crossing others"
+                f"the lines {i} and {j} between materials (parting lines) cross at {pair(at)}; "
+                "every line must lead from one point of the boundary to another without crossing "
+                "other lines"
             )
 
 

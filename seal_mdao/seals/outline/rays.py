@@ -61,13 +61,13 @@ def ray_boundaries(outline: Outline, rays: Rays) -> list:
     # an annular wall: one outer contour and one hole
     if len(outline.holes) != 1:
         raise GeometryError(
-            f"rays need a section with exactly one hole, but it has {len(outline.holes)}; use "
-            "spacing instead of rays"
+            "radial rows of particles (rays) need a section with exactly one hole, but the section "
+            f"has {len(outline.holes)}; use spacing instead of rays"
         )
     if outline.others:
         raise GeometryError(
-            "rays need a section with a single body, but it has several; use spacing instead of "
-            "rays"
+            "radial rows of particles (rays) need a section with a single body, but the section "
+            "has several; use spacing instead of rays"
         )
     return [_boundary(contour, rays, i) for i, contour in enumerate(outline.contours)]
 

@@ -62,8 +62,8 @@ class SampledBoundary:
         nearest = float(np.diff(path.along).max())
         if away > nearest:
             raise ValueError(
-                f"the point {pair(point)} of between must lie on the edge {name!r}, but is "
-                f"{away:.3g} mm away from it"
+                f"the point {pair(point)} of the key between must lie on the edge {name!r}, but is "
+                f"{away:.3g} mm away from this edge"
             )
         return s
 
@@ -85,15 +85,16 @@ class SampledBoundary:
         which = np.flatnonzero(np.concatenate(corner))
         if not which.size:
             raise ValueError(
-                f"no vertex is at {pair(at)}, because every contour is a single segment; "
-                "use edges instead of vertex"
+                f"the boundary has no vertex at {pair(at)}, because every contour is a single "
+                "segment; use the key edges instead of vertex"
             )
         # nearest vertex, and the loop in which its index lies
         away = np.hypot(*(self.points[which] - np.asarray(at, float)).T)
         index = int(which[away.argmin()])
         if away.min() > within:
             raise ValueError(
-                f"no vertex is at {pair(at)}; the nearest one is at {pair(self.points[index])}"
+                f"the boundary has no vertex at {pair(at)}; the nearest vertex is at "
+                f"{pair(self.points[index])}"
             )
         loop = int(np.searchsorted(self.starts, index, side="right")) - 1
         return loop, index - int(self.starts[loop])
@@ -119,7 +120,7 @@ class SampledBoundary:
         piece = self.points[self.starts[loop] + self.pieces(loop)[number]]
         if away > np.hypot(*np.diff(piece, axis=0).T).max():
             raise ValueError(
-                f"the point {pair(point)} must lie on the boundary, but is {away:.3g} mm "
-                "away from it"
+                f"the point {pair(point)} must lie on the boundary of the section, but is "
+                f"{away:.3g} mm away"
             )
         return loop, number

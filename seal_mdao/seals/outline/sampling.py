@@ -133,7 +133,7 @@ def _at(spacing, segment, s) -> np.ndarray:
 def _require_positive(values) -> None:
     wrong = np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))
     if wrong.size:
-        raise ValueError(f"spacing must be a positive number, got {values[wrong[0]]}")
+        raise ValueError(f"the particle spacing must be a positive number, got {values[wrong[0]]}")
 
 
 def doubled(outline, boundaries) -> list:
@@ -199,7 +199,8 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
     if not away[worst] <= closest:
         raise GeometryError(
             f"the particle at {pair(points[worst])} is {away[worst]:.3g} mm away from the edge "
-            f"{segments[number[worst]].edge!r}, on which it must lie; use the cloud of this section"
+            f"{segments[number[worst]].edge!r}, on which it must lie; use a mesh (cloud) of this "
+            "section"
         )
     lengths = np.array([segment.length for segment in segments])
     number, fraction = _from_beginnings(number, fraction, lengths, closest)
@@ -209,14 +210,14 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
     # sorted from the beginning the arc length must increase strictly: once around, no repetition
     if not (np.diff(arc[order]) > 0.0).all():
         raise GeometryError(
-            f"the particles along the contour with the edge {segments[0].edge!r} do not follow it "
-            "exactly once around; use the cloud of this section"
+            f"the particles along the contour with the edge {segments[0].edge!r} do not surround "
+            "it exactly once; use a mesh (cloud) of this section"
         )
     missing = np.setdiff1d(np.arange(len(segments)), number[fraction == 0.0])
     if missing.size:
         raise GeometryError(
             f"no particle is at {pair(segments[missing[0]].start)}, where a segment of the edge "
-            f"{segments[missing[0]].edge!r} begins; use the cloud of this section"
+            f"{segments[missing[0]].edge!r} begins; use a mesh (cloud) of this section"
         )
     return boundary_at(segments, number[order], fraction[order])._replace(
         points=points[order]

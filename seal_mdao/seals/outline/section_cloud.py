@@ -112,8 +112,8 @@ class OutlineCloud:
         inside = (_cross(side, to) >= 0.0).all(axis=1)
         if not inside.any():
             raise ValueError(
-                f"at = ({point[0]:.4g}, {point[1]:.4g}) is outside of the section; give a point inside "
-                "the region"
+                f"the point at = ({point[0]:.4g}, {point[1]:.4g}) of a region is outside of the "
+                "section; give a point inside the region"
             )
         return int(self.parts[np.flatnonzero(inside)[0]])
 
@@ -141,7 +141,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     loops = [np.asarray(loop, float) for loop in loops]
     _check_loops(loops)
     if not (np.isfinite(spacing) and spacing > 0.0):
-        raise ValueError(f"spacing must be a positive number, got {spacing!r}")
+        raise ValueError(f"the particle spacing must be a positive number, got {spacing!r}")
     # triangles on every other boundary point, of twice the size: halving the cells restores it
     points, triangles, parts = triangulate([loop[::2] for loop in loops], 2.0 * spacing, cuts)
     coarse, parts = paired(points, triangles, parts)
@@ -152,8 +152,8 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
         quadrature_weights(cell_map(cells), particles)
     except GeometryError as error:
         raise GeometryError(
-            f"the boundary bends too much for its spacing ({error}); use a smaller spacing or "
-            "edge_spacing"
+            f"the particle spacing is too large for the curvature of the boundary ({error}); use a "
+            "smaller spacing or edge_spacing"
         ) from error
     ends = np.cumsum([0, *(len(loop) for loop in loops)])
     around = tuple(np.arange(a, b) for a, b in pairwise(ends))
@@ -165,17 +165,20 @@ def _check_loops(loops) -> None:
     for number, loop in enumerate(loops):
         if loop.ndim != 2 or loop.shape[1] != 2 or len(loop) < 6 or len(loop) % 2:
             raise ValueError(
-                f"loop {number} must have shape (2 k, 2) with k of at least 3, got {loop.shape}"
+                f"the closed boundary (loop) {number} must have shape (2 k, 2) with k of at least "
+                f"3, got {loop.shape}"
             )
         if not np.isfinite(loop).all():
-            raise ValueError(f"loop {number} has a coordinate that is not finite")
+            raise ValueError(
+                f"the closed boundary (loop) {number} has a coordinate that is not finite"
+            )
     for number, (loop, around) in enumerate(zip(loops, nearest_around(loops), strict=True)):
         # a loop directly inside a body is a hole (area < 0), every other one a body (area > 0)
         hole = around is not None and polygon_area(loops[around])[0] > 0.0
         if (polygon_area(loop)[0] > 0.0) == hole:
             raise ValueError(
-                f"loop {number} has the wrong direction; reverse it, so that the material lies on "
-                "the left"
+                f"the closed boundary (loop) {number} has the wrong direction; reverse its points, "
+                "so that the material lies on the left"
             )
 
 

@@ -136,8 +136,8 @@ class Line(Segment):
         set_points(self, "first", "last")
         require(
             self.first != self.last,
-            "a line has zero length, because both ends are "
-            f"{pair(self.first)}; give two different points",
+            f"a line of the boundary has zero length, because both ends are {pair(self.first)}; "
+            "give two different points",
         )
 
     @cached_property

@@ -63,7 +63,8 @@ class Spline(Segment):
         require(count >= least, f"a spline needs at least {least} points{closed}, got {count}")
         for i in range(1, count):
             message = (
-                f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}; remove one"
+                f"points {i} and {i + 1} of a spline coincide at {pair(points[i])}; remove one of "
+                "the two points"
             )
             require(points[i] != points[i - 1], message)
         object.__setattr__(self, "through", points)
@@ -91,7 +92,8 @@ class Spline(Segment):
         parameter = tuple(float(value) for value in self.parameter)
         require(
             len(parameter) == len(self.through) and bool(np.all(np.diff(parameter) > 0.0)),
-            f"the parameter of a spline must be {len(self.through)} increasing numbers",
+            f"the curve parameters of a spline must be {len(self.through)} increasing numbers, one "
+            "per point",
         )
         return parameter
 

@@ -55,8 +55,8 @@ class VertexDesign:
         turn = np.hypot(*np.subtract(*np.asarray(boundary.tangent)[k]))
         if turn < TANGENT and boundary.edge[k - 1] == boundary.edge[k]:
             raise ValueError(
-                f"the edge {str(boundary.edge[k])!r} is smooth at {pair(self.at)}, so "
-                "there is no vertex to move; use edges with between instead of vertex"
+                f"the edge {str(boundary.edge[k])!r} is smooth at {pair(self.at)}, so there is no "
+                "vertex to move; use the keys edges and between instead of vertex"
             )
         image = None
         across = sampled.planes_at(loop, k)
@@ -69,8 +69,8 @@ class VertexDesign:
         if not allowed or (self.directions is not None and len(allowed) < len(chosen)):
             refused = " and ".join("xy"[axis] for axis in chosen if axis in across)
             raise ValueError(
-                f"the vertex {pair(self.at)} cannot move in {refused}, out of the plane of "
-                f"symmetry; leave {refused} out of directions"
+                f"the vertex {pair(self.at)} lies in a plane of symmetry and cannot move out of it "
+                f"in {refused}; remove {refused} from directions"
             )
         columns = []
         for axis in allowed:
@@ -193,8 +193,8 @@ def _circle(points, at) -> tuple[np.ndarray, float]:
         if np.abs(np.hypot(*(x - found[:2]).T) - radius).max() <= ROUND * radius:
             return middle + found[:2], radius
     raise ValueError(
-        f"the segment at {pair(at)} is not an arc, so it has no radius to change; give a "
-        "point of an arc or a circle"
+        f"the segment of the boundary at {pair(at)} is not an arc, so it has no radius to change; "
+        "give a point of an arc or a circle"
     )
 
 

@@ -91,7 +91,7 @@ function drawShapes(now) {
   scene.loops.flat().forEach((point, i) => boundary.set([made[2 * point], made[2 * point + 1]], 2 * i));
   const starts = scene.profiles.map((profile, i) => placed(profile, [...now.ways[i].slice(0, 3)]));
   const ghost = now.exactly ? null : { boundary: nominalBoundary() };
-  views.made.draw({ boundary, profiles: scene.profiles, poses: starts }, ghost, "Section as made, with handles");
+  views.made.draw({ boundary, profiles: scene.profiles, poses: starts }, ghost, "Undeformed section, with handles");
   const tops = exact.frame.tops, points = new Float32Array(now.points);
   for (let k = 0; k < points.length / 3; k++) points[3 * k + 2] = Math.min(FULL, Math.max(0, points[3 * k + 2] / tops[scene.regions[k]]) * FULL);
   views.pressed.shapes.scales.forEach((scale, i) => { scale.top = tops[i]; });
@@ -233,7 +233,7 @@ function drawLights(now) {
   if (minimize && now.measures[minimize]) light("aim", `minimise ${spoken(minimize)}`, `${withError(minimize, now.measures[minimize][0])} ${unitOf(minimize)}`, "");
   for (const { measure, lower, upper } of limits) {
     const values = now.measures[measure];
-    if (!values) { light("", spoken(measure), "–", "not known"); continue; }
+    if (!values) { light("", spoken(measure), "–", "not computed"); continue; }
     let worst = -Infinity, at = 0;
     values.forEach((value, i) => {
       const low = bound(lower, i), high = bound(upper, i), size = Math.max(Math.abs(low ?? 0), Math.abs(high ?? 0), 1e-12);
@@ -286,9 +286,9 @@ function showState(exactly) {
   let [kind, text] = ["preview", "first-order preview, analysing …"];
   if (!state.rates && !exactly) text = "analysing …";
   if (exactly && exact) [kind, text] = ["exact", "exact analysis"];
-  if (exactly && exact && !exact.converged) [kind, text] = ["failed", "path not completed"];
-  if (status && status.job === "errors") text = status.progress || "estimating errors";
-  if (status && status.job === "improve") text = `improving, analysis ${exact && exact.number ? exact.number : 0}`;
+  if (exactly && exact && !exact.converged) [kind, text] = ["failed", "analysis not completed"];
+  if (status && status.job === "errors") text = status.progress || "estimating numerical errors";
+  if (status && status.job === "improve") text = `optimising, analysis ${exact && exact.number ? exact.number : 0}`;
   if (!exactly && status && status.failure) [kind, text] = ["failed", "not analysed"];
   if (state.shared) [kind, text] = ["exact", "exact analysis"];
   if (state.closed) [kind, text] = ["failed", "the server is closed"];
@@ -543,7 +543,7 @@ const receive = {
     Object.assign(state, { exact, rates: null });
     unpackFrame(exact.frame);
     hide();
-    if (!exact.converged) show(`The path of this design was not completed: ${exact.failure}`);
+    if (!exact.converged) show(`The analysis of this design was not completed: ${exact.failure}`);
     showWarnings(exact.warnings);
     showPath();
     if (!state.design) state.design = exact.design;
@@ -571,7 +571,7 @@ const receive = {
   },
   errors(errors) {
     state.errors = errors;
-    place("made-text").textContent = "errors (±) are those of the section of the file";
+    place("made-text").textContent = "±: estimated numerical error, for the section in the seal file";
     schedule();
   },
   notes(notes) { place("caption").textContent = notes.join(" "); },
@@ -621,7 +621,7 @@ function showKept() {
   const lines = names.map((name) => `<tr><th scope="row">${escaped(spoken(name))} ${escaped(unitOf(name))}</th>${cells((own) => own.measures[name].map((v) => readable(v, 4)).join(", "))}</tr>`);
   const changed = scene.numbers.map((own, p) => [own, p]).filter(([own, p]) => kept.some((k) => k.design[p] !== own.value));
   const numbers = changed.map(([own, p]) => `<tr><th scope="row">${escaped(own.text)} ${escaped(own.unit)}</th>${cells((k) => readable(k.design[p], 4))}</tr>`);
-  const buttons = kept.map(({ name }) => `<td data-live><button data-take="${escaped(name)}">Take</button> <button data-drop="${escaped(name)}">Drop</button></td>`).join("");
+  const buttons = kept.map(({ name }) => `<td data-live><button data-take="${escaped(name)}">Use</button> <button data-drop="${escaped(name)}">Remove</button></td>`).join("");
   box.innerHTML = `<h2>Compared designs</h2><div class="scroll"><table><thead><tr><th scope="col">measure</th>${head}</tr></thead><tbody>${lines.join("")}${numbers.join("")}<tr><th scope="row"></th>${buttons}</tr></tbody></table></div>`;
   box.querySelectorAll("[data-take]").forEach((button) => button.addEventListener("click", () => send({ do: "take", name: button.dataset.take })));
   box.querySelectorAll("[data-drop]").forEach((button) => button.addEventListener("click", () => send({ do: "drop", name: button.dataset.drop })));
@@ -638,8 +638,8 @@ function showProblem() {
   const options = (chosen, none) => `${none ? `<option value="">${none}</option>` : ""}${offered.measures.map((name) => `<option value="${escaped(name)}" ${name === chosen ? "selected" : ""}>${escaped(spoken(name))}</option>`).join("")}`;
   const limit = ({ measure, lower, upper }) => `<div class="row limit"><select aria-label="measure">${options(measure)}</select> at least <input type="number" step="any" class="lower" aria-label="at least" value="${lower ?? ""}"> at most <input type="number" step="any" class="upper" aria-label="at most" value="${upper ?? ""}"> <button type="button" class="remove">Remove</button></div>`;
   box.innerHTML = `<h2>Problem</h2><div class="parts"><svg class="edges" viewBox="${low[0]} ${low[1]} ${high[0] - low[0]} ${high[1] - low[1]}" role="img" aria-label="Edges of the section">${lines}</svg>
-    <form><table><thead><tr><th scope="col">edge</th><th scope="col">fixed</th><th scope="col">pressed</th><th scope="col">may move</th></tr></thead><tbody>${rows}</tbody></table>
-    <div class="row">Edges that move have <input type="number" id="parameters" min="1" max="40" value="${offered.parameters}" aria-label="parameters of an edge"> parameters each, by at most <input type="number" id="bound" step="any" min="0" value="${offered.bound}" aria-label="largest offset, mm"> mm.</div>
+    <form><table><thead><tr><th scope="col">edge</th><th scope="col">fixed</th><th scope="col">touches the profile</th><th scope="col">may move</th></tr></thead><tbody>${rows}</tbody></table>
+    <div class="row">Every edge that may move has <input type="number" id="parameters" min="1" max="40" value="${offered.parameters}" aria-label="parameters of an edge"> design parameters and moves by at most <input type="number" id="bound" step="any" min="0" value="${offered.bound}" aria-label="largest offset, mm"> mm.</div>
     <div class="row">Minimise <select id="aim" aria-label="minimise">${options(offered.minimize, "nothing")}</select></div>
     <div id="limits">${offered.limits.map(limit).join("")}</div>
     <div class="row"><button type="button" id="add-limit">Add a limit</button> <button type="submit">Write the seal file and open it</button></div></form></div>`;
