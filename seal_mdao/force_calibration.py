@@ -135,7 +135,7 @@ def _check(seal, force, measured, names) -> None:
     unknown = [name for name in names if name not in scalars]
     if unknown:
         raise ValueError(
-            f"unknown parameter {unknown[0]!r}; the parameters are {', '.join(scalars)}"
+            f"the seal has no parameter {unknown[0]!r}; its parameters are {', '.join(scalars)}"
         )
     if len(set(names)) < len(names) or not names:
         raise ValueError(

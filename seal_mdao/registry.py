@@ -70,7 +70,9 @@ def register(kind: str, name: str, value=None):
     if value is None:
         return lambda decorated: register(kind, name, decorated)
     if kind not in CONTRACTS:
-        raise ValueError(f"kind must be one of {', '.join(CONTRACTS)}, got {kind!r}")
+        raise ValueError(
+            f"the kind of an extension must be one of {', '.join(CONTRACTS)}, got {kind!r}"
+        )
     if not isinstance(name, str) or not name.isidentifier():
         raise ValueError(f"the name of an extension must be a Python identifier, got {name!r}")
     new = Extension(f"register() in the module {value.__module__!r}", lambda: value)

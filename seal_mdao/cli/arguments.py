@@ -461,7 +461,9 @@ def design_from(path: Path, seal: sm.Seal) -> tuple[np.ndarray, dict]:
         summary = json.loads(read_text(path))
         offsets, radius = summary["boundary_offsets"], summary["door_radius"]
     except OSError as error:
-        raise WrongArgumentError(f"cannot read the design {path}: {error.strerror}") from None
+        raise WrongArgumentError(
+            f"the file of the design {path} cannot be read: {error.strerror}"
+        ) from None
     except (ValueError, KeyError, TypeError, RecursionError):
         # not JSON, or JSON of something else
         text = (

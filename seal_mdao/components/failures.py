@@ -61,4 +61,4 @@ def admissible_design():
         yield
     # outside a running model the same ValueError reaches the user unchanged
     except ValueError as error:
-        raise om.AnalysisError(f"the design is not admissible: {error}") from error
+        raise om.AnalysisError(f"the analysis rejects this design: {error}") from error

@@ -92,8 +92,9 @@ class SelfContact(TermDefinition):
             )
         if len(self.touching) != sum(map(len, self.loops)):
             raise ValueError(
-                f"touching of {self.label!r} must have one entry for each of the "
-                f"{sum(map(len, self.loops))} particles of its loops, got {len(self.touching)}"
+                f"the flags touching of the self-contact {self.label!r} must have one entry for "
+                f"each of the {sum(map(len, self.loops))} particles of its loops, got "
+                f"{len(self.touching)}"
             )
 
     @property

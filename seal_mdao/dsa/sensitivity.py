@@ -174,7 +174,9 @@ def _check_names(result, names):
     known = result.seal.scalars
     unknown = [name for name in names if name not in known]
     if unknown:
-        raise ValueError(f"unknown parameter {unknown[0]!r}; the parameters are {', '.join(known)}")
+        raise ValueError(
+            f"the seal has no parameter {unknown[0]!r}; its parameters are {', '.join(known)}"
+        )
 
 
 class Wanted:

@@ -309,7 +309,8 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     particles = np.asarray(particles, float)
     if particles.shape != (body.n_particles, 2):
         raise ValueError(
-            f"particles must have shape ({body.n_particles}, 2), got {particles.shape}"
+            f"the positions of the particles must have shape ({body.n_particles}, 2), got "
+            f"{particles.shape}"
         )
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])

@@ -131,8 +131,9 @@ class WallThickness(Measure):
         size = np.hypot(*across.T)
         if not size.all():
             raise ValueError(
-                f"{self.name!r}: {', '.join(self.edges)} and {', '.join(self.opposite)} share a "
-                "point, where the thickness is zero; name edges that do not meet"
+                f"the edges of the measure {self.name!r}, {', '.join(self.edges)} and "
+                f"{', '.join(self.opposite)}, share a point, where the thickness is zero; name "
+                "edges that do not meet"
             )
         return Distances(points, sides, along, across, size)
 

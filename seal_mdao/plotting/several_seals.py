@@ -124,7 +124,7 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     """
     for name, result in results.items():
         if not len(result.path.nominal_steps):
-            raise ValueError(f"{name} has no converged load step to draw")
+            raise ValueError(f"the analysis of {name} has no converged load step to draw")
     shown = dict(list(results.items())[:MOST_SECTIONS])
     fine = {name: fine_grid(result) for name, result in shown.items()}
     scale = section.stress_scale(own.von_mises(-1) for own in fine.values())

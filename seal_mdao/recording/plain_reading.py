@@ -103,7 +103,10 @@ class PlainDatabase:
                     )
                 left -= len(value) if isinstance(value, str | bytes) else 1
             if left < 0:
-                raise ValueError(f"its table {table!r} yields more data than the size of the file")
+                raise ValueError(
+                    f"the table {table!r} of the recorder file yields more data than the size of "
+                    "the file"
+                )
             found.append(row)
         return found
 
@@ -146,7 +149,10 @@ def unpacked(blob: bytes):
     decompressor = zlib.decompressobj()
     text = decompressor.decompress(blob, LARGEST_JSON)
     if not decompressor.eof:
-        raise EOFError(f"compressed metadata are truncated or larger than {LARGEST_JSON} bytes")
+        raise EOFError(
+            "the compressed metadata of the recorder file are truncated or larger than "
+            f"{LARGEST_JSON} bytes"
+        )
     return json.loads(text)
 
 
@@ -177,7 +183,7 @@ def checked_units(text: str | None) -> str | None:
         For any other text.
     """
     if text is not None and not UNITS.fullmatch(text):
-        raise ValueError(f"one of its variables has the invalid units {text!r}")
+        raise ValueError(f"a variable in the recorder file has the invalid units {text!r}")
     return text
 
 

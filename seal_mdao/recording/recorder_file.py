@@ -124,8 +124,8 @@ def read_model(database: PlainDatabase) -> RecordedModel:
         )
     if version > format_version:
         raise ValueError(
-            f"its format {version} is newer than {format_version}, that of the installed OpenMDAO; "
-            "update OpenMDAO"
+            f"the format {version} of the recorder file is newer than {format_version}, the format "
+            "of the installed OpenMDAO; update OpenMDAO"
         )
     (row,) = database.rows("metadata", METADATA)
     names, metadata, variables, sources = map(unpacked, row)

@@ -254,8 +254,8 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
     if singular >= 0:
         x, y = coordinates[singular]
         raise SingularMomentMatrixError(
-            f"the moment matrix is singular at ({x:.4g}, {y:.4g}): too few kernel supports cover "
-            "this point; use a larger support"
+            f"the RKPM moment matrix is singular at ({x:.4g}, {y:.4g}): too few kernel supports "
+            "cover this point; use a larger support"
         )
     if points.hooped:
         rows = np.empty(3 * size)

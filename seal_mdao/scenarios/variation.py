@@ -83,7 +83,9 @@ class Scenarios:
         object.__setattr__(self, "variations", tuple(self.variations))
         names = [variation.name for variation in self.variations]
         if len(set(names)) < len(names):
-            raise ValueError(f"every variation needs a different name, got {', '.join(names)}")
+            raise ValueError(
+                f"the variations of scenarios must have different names, got {', '.join(names)}"
+            )
         numbers = values.numbers("numbers of scenarios", self.numbers)
         if numbers.ndim != 2 or numbers.shape[1] != len(names) or not len(numbers):
             raise ValueError(
@@ -95,12 +97,16 @@ class Scenarios:
             offsets = values.numbers("offsets of scenarios", self.offsets)
             if offsets.ndim != 2 or len(offsets) != len(numbers):
                 raise ValueError(
-                    f"offsets of scenarios must have shape ({len(numbers)}, P), got {offsets.shape}"
+                    f"the boundary offsets of scenarios (offsets) must have shape ({len(numbers)}, "
+                    f"P), got {offsets.shape}"
                 )
             object.__setattr__(self, "offsets", offsets)
         for array in (numbers, self.offsets):
             if array is not None and not np.isfinite(array).all():
-                raise ValueError("numbers and offsets of scenarios must be finite")
+                raise ValueError(
+                    "the parameter values (numbers) and boundary offsets (offsets) of scenarios "
+                    "must be finite"
+                )
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -120,8 +126,8 @@ class Scenarios:
             )
         if self.offsets is not None and self.offsets.shape[1] != seal.n_offsets:
             raise ValueError(
-                f"offsets of scenarios must have shape ({len(self)}, {seal.n_offsets}), got "
-                f"{self.offsets.shape}"
+                f"the boundary offsets of scenarios (offsets) must have shape ({len(self)}, "
+                f"{seal.n_offsets}), got {self.offsets.shape}"
             )
 
     def described(self, number: int) -> str:

@@ -483,5 +483,5 @@ def _check_known(what: str, names, known) -> None:
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(
-            f"unknown {what} {unknown[0]!r}; the known ones are {', '.join(known) or 'none'}"
+            f"the seal has no {what} {unknown[0]!r}; it has {', '.join(known) or 'none'}"
         )

@@ -28,7 +28,9 @@ def seal_of(text: str) -> Seal:
     except (ValueError, RecursionError) as error:
         raise ValueError(f"the settings are not those of a seal: {error}") from error
     if not isinstance(settings, dict) or not settings.keys() & {FILE, DOOR_SEAL}:
-        raise ValueError("the settings describe neither a seal file nor a door seal")
+        raise ValueError(
+            "the recorded settings describe neither a seal file nor the built-in door seal"
+        )
     seal = _seal_of_file(settings) if FILE in settings else described_door_seal(settings)
     try:
         if settings.get("placements"):
@@ -46,27 +48,32 @@ def _seal_of_file(found: dict) -> OutlineSeal:
         with TemporaryDirectory() as folder:
             for name, packed in found["beside"].items():
                 if Path(name).name != name:
-                    raise ValueError(f"{name!r} is not a valid file name")
+                    raise ValueError(f"the recorded file name {name!r} is not valid")
                 (Path(folder) / name).write_bytes(unpacked(packed))
             path = Path(folder) / "seal.toml"
             path.write_text(found[FILE], encoding="utf-8")
             if any(name not in found["beside"] for name in named_in(tomllib.loads(found[FILE]))):
                 raise ValueError(
-                    "a file that the seal file names (drawing, mesh, tests or targets) is missing "
-                    "in the record"
+                    "the recorder file lacks a file to which the seal file refers (drawing, mesh, "
+                    "tests or targets)"
                 )
             file = read_seal_file(path)
             seal = built(file, **_all_chosen(found["chosen"], file))
             return seal.made_from({key: found[key] for key in (FILE, "beside", "chosen")})
     except (TypeError, KeyError, AttributeError, ValueError, SealFileError) as error:
-        raise ValueError(f"the recorded seal file is not valid in this version: {error}") from error
+        raise ValueError(
+            f"the recorded seal file is not valid in this version of seal_mdao: {error}"
+        ) from error
 
 
 def _all_chosen(chosen: dict, file: SealFile) -> dict:
     """What was chosen for a file, when it is all that the file leaves open: nothing is analysed here."""
     left_open = {"step_ends": file.step_tolerance is not None, "penalties": file.open_penalties}
     if set(chosen) != {name for name, is_open in left_open.items() if is_open}:
-        raise ValueError("the record lacks the load steps or penalties that the run has chosen")
+        raise ValueError(
+            "the recorder file lacks the load steps or contact penalties that were chosen in the "
+            "recorded optimisation"
+        )
     return chosen
 
 

@@ -109,7 +109,7 @@ def test_parameters_at_their_bounds_are_named(seal, exact):
         (np.ones(3), ("c10",), "must be 14 finite numbers"),
         (np.zeros(14), ("c10",), "not all zero"),
         (np.full(14, np.nan), ("c10",), "must be 14 finite numbers"),
-        (np.ones(14), ("c11",), "unknown parameter 'c11'; the parameters are c10"),
+        (np.ones(14), ("c11",), "no parameter 'c11'; its parameters are c10"),
         (np.ones(14), ("c10", "c10"), "none twice; got c10, c10"),
         (np.ones(14), (), "at least one name, and none twice; got none"),
         (np.ones(14), ("expansion",), "expansion starts at zero"),

@@ -90,7 +90,7 @@ def test_particles_from_upstream_that_are_no_numbers_are_a_failed_analysis(short
     particles = short.nominal_particles.copy()
     particles[3, 1] = value
     made.set_val("particles", particles)
-    with pytest.raises(om.AnalysisError, match=r"not admissible: particles\[3\]"):
+    with pytest.raises(om.AnalysisError, match=r"rejects this design: particles\[3\]"):
         made.run_model()
 
 

@@ -88,5 +88,5 @@ def test_scipys_own_driver_ends_with_an_analysis_error(quick, kind):
     """OpenMDAO's ScipyOptimizeDriver ends with the first exception that a model raises."""
     driver = om.ScipyOptimizeDriver(optimizer="SLSQP", disp=False)
     problem = pressed_problem(quick, kind, driver)
-    with pytest.raises(om.AnalysisError, match="not admissible"):
+    with pytest.raises(om.AnalysisError, match="rejects this design"):
         problem.run_driver()

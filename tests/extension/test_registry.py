@@ -162,7 +162,9 @@ def test_wrong_values_of_extensions(tmp_path, old, new, words):
 
 
 def test_register_refuses_what_seal_files_could_not_use():
-    with pytest.raises(ValueError, match="kind must be one of friction_laws, materials"):
+    with pytest.raises(
+        ValueError, match="kind of an extension must be one of friction_laws, materials"
+    ):
         sm.register("laws", "mine", lambda pressure: pressure)
     with pytest.raises(ValueError, match="be a Python identifier, got 'my law'"):
         sm.register("friction_laws", "my law", lambda pressure: pressure)

@@ -47,8 +47,8 @@ BAD = {
         lambda: Spline([(-1, 0), (1, 0)], "a", (-1.0, 1.0), ((-1.0, 0.0), (-1.0, 0.0))),
         "a spline has a cusp",
     ),
-    "no segment": (lambda: Contour([]), "a contour needs at least one segment, got []"),
-    "no list of segments": (lambda: Contour(BASE), "a contour needs at least one segment, got Line"),
+    "no segment": (lambda: Contour([]), "needs at least one segment, got []"),
+    "no list of segments": (lambda: Contour(BASE), "needs at least one segment, got Line"),
     "no segment at all": (lambda: Contour([BASE, "arc"]), "segment 2 of the boundary must be a line"),
     "no name": (lambda: Contour([Circle((0, 0), 1.0)]), "segment 1 of the boundary needs the name"),
     "open": (

@@ -77,7 +77,10 @@ def test_offsets_are_added_to_those_of_the_design():
 @pytest.mark.parametrize(
     ("arguments", "match"),
     [
-        (((Variation("a"), Variation("a")), np.ones((1, 2))), "needs a different name, got a, a"),
+        (
+            ((Variation("a"), Variation("a")), np.ones((1, 2))),
+            "must have different names, got a, a",
+        ),
         (((Variation("a"),), np.ones((2, 2))), r"shape \(S, 1\), got \(2, 2\)"),
         (((Variation("a"),), [[np.nan]]), "finite"),
         (((Variation("a"),), [[1.0]], np.ones((2, 25))), r"shape \(1, P\)"),

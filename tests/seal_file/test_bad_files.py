@@ -354,7 +354,7 @@ BAD = {
     "profile there and back": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [-9.0, 0.0]]",
                                "overlap at (9, 0)"),
     "profile crosses": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, -9.0]]",
-                        "[[profile]] 1 ('door'): it crosses or touches itself at (4.5, 0)"),
+                        "[[profile]] 1 ('door'): the curve crosses or touches itself at (4.5, 0)"),
     "profile has a gap": (DOOR, "[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"
                           "[[profile.segment]]\nline = [[1.0, 0.0], [9.0, 0.0]]\n[profile.x]\n",
                           "('door'): unknown key 'x'"),

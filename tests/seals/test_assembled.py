@@ -45,7 +45,7 @@ def test_parameters_are_values_not_changes(seal):
 def test_what_no_seal_can_be_is_refused(seal):
     with pytest.raises(ValueError, match="modulus of ArrudaBoyce must be a number above 0"):
         seal.with_parameters({"modulus": -1.0})
-    with pytest.raises(ValueError, match="unknown parameter 'breadth'"):
+    with pytest.raises(ValueError, match="the seal has no parameter 'breadth'"):
         seal.with_parameters({"breadth": 1.0})
 
 

@@ -25,7 +25,7 @@ def test_value_takes_the_name_of_a_measure(pressed):
 
 def test_value_of_an_unknown_name_reports_the_known_ones(pressed):
     with pytest.raises(
-        ValueError, match="unknown measure 'force'; the known ones are von_mises, gap, "
+        ValueError, match="the seal has no measure 'force'; it has von_mises, gap, "
     ):
         pressed.value("force")
 

@@ -65,7 +65,7 @@ def test_choice_that_is_missing_is_not_made_anew():
     seal = sm.read_seal_file(file)
     assert seal.leaves_open
     settings = {"seal_file": file.read_text(encoding="utf-8"), "beside": {}, "chosen": {}}
-    with pytest.raises(ValueError, match="load steps or penalties that the run has chosen"):
+    with pytest.raises(ValueError, match="lacks the load steps or contact penalties"):
         seal_of(json.dumps(settings))
 
 
@@ -116,12 +116,12 @@ def packed(content):
     ({"seal_file": 3}, "the recorded seal file is not valid in this version"),
     ({"seal_file": ""}, "the recorded seal file is not valid in this version"),
     ({"beside": None}, "the recorded seal file is not valid in this version"),
-    ({"beside": {"../out.dxf": packed(b"")}}, "not a valid file name"),
+    ({"beside": {"../out.dxf": packed(b"")}}, "the recorded file name .* is not valid"),
     ({"beside": {"out.dxf": "!"}}, "the recorded seal file is not valid in this version"),
     ({"beside": {"out.dxf": packed(bytes(51 * 2**20))}}, "is larger than"),
-    ({"chosen": {"step_ends": [1.0]}}, "load steps or penalties that the run has chosen"),
+    ({"chosen": {"step_ends": [1.0]}}, "lacks the load steps or contact penalties"),
     ({"chosen": {"callback": "print"}}, "the recorded seal file is not valid in this version"),
-    ({"parameters": {"nothing": 1.0}}, "unknown parameter"),
+    ({"parameters": {"nothing": 1.0}}, "the seal has no parameter"),
     ({"clearances": 3}, "not those of a seal"),
 ])  # fmt: skip
 def test_settings_that_are_none(wrong, words):
@@ -133,7 +133,7 @@ def test_settings_that_are_none(wrong, words):
 def test_a_file_that_names_others_does_not_read_them_from_the_machine():
     settings = json.loads(sm.build_seal(PAPER).settings())
     text = settings["seal_file"].replace("[section]\n", '[section]\ncloud = "/etc/hostname"\n')
-    with pytest.raises(ValueError, match="is missing in the record"):
+    with pytest.raises(ValueError, match="lacks a file to which the seal file refers"):
         seal_of(json.dumps(settings | {"seal_file": text}))
 
 

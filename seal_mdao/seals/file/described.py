@@ -81,7 +81,9 @@ def unpacked(packed: str) -> bytes:
     except zlib.error as error:
         raise ValueError(str(error)) from error
     if unpacker.unconsumed_tail:
-        raise ValueError(f"a file that the seal file names is larger than {MOST_BYTES} bytes")
+        raise ValueError(f"a file to which the seal file refers is larger than {MOST_BYTES} bytes")
     if not unpacker.eof:
-        raise ValueError("the record of a file that the seal file names is truncated")
+        raise ValueError(
+            "the recorder file contains a truncated copy of a file to which the seal file refers"
+        )
     return content

@@ -80,13 +80,15 @@ def _parsed(path) -> dict:
         raise SealFileError(f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError as error:
         raise SealFileError(
-            f"not a text file in UTF-8 (first invalid byte: {error.start}); save it in this "
-            "encoding"
+            f"the seal file is not a text file in UTF-8 (first invalid byte: {error.start}); save "
+            "it in this encoding"
         ) from None
     try:
         found = tomllib.loads(content)
     except (ValueError, RecursionError) as error:
-        raise SealFileError(f"not valid TOML: {' '.join(str(error).split())}") from None
+        raise SealFileError(
+            f"the seal file is not valid TOML: {' '.join(str(error).split())}"
+        ) from None
     if not found:
         raise SealFileError(
             f"the seal file is empty; it needs at least {_written((*NEEDED, MOVING[0]))}"

@@ -38,7 +38,9 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         For segments that are not joined, too short, or fold back on each other.
     """
     if not isinstance(segments, tuple | list) or not segments:
-        raise GeometryError(f"a contour needs at least one segment, got {segments!r}")
+        raise GeometryError(
+            f"a contour of the section needs at least one segment, got {segments!r}"
+        )
     check_count(len(segments))
     # every segment by itself, then every joint
     for number, segment in enumerate(segments, 1):

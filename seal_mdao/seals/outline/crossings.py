@@ -95,4 +95,4 @@ def check_simple(points, closed: bool) -> None:
         ends = shapely.get_coordinates([shapely.boundary(part) for part in parts])
         distinct, counts = np.unique(ends, axis=0, return_counts=True)
         at = distinct[counts > 1][0] if (counts > 1).any() else points[0]
-        raise GeometryError(f"it crosses or touches itself at {pair(at)}")
+        raise GeometryError(f"the curve crosses or touches itself at {pair(at)}")

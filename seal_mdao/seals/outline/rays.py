@@ -81,9 +81,10 @@ def _boundary(contour, rays, hole) -> Boundary:
     radius = np.concatenate([[x for _, x in own] for own in found])
     if sorted(ray % rays.rays) != list(range(rays.rays)):
         raise GeometryError(
-            f"every ray from ({rays.centre[0]:.4g}, {rays.centre[1]:.4g}) must meet every contour "
-            "once, but this does not hold for the contour with the edge "
-            f"{contour.edge_names[0]!r}; move the centre of the rays, or use spacing"
+            f"every radial row of particles (ray) from ({rays.centre[0]:.4g}, "
+            f"{rays.centre[1]:.4g}) must meet every contour once, but this does not hold for the "
+            f"contour with the edge {contour.edge_names[0]!r}; move the centre of the rays, or use "
+            "spacing"
         )
     directions = rays.directions[ray % rays.rays]
     along = turn * np.column_stack([-directions[:, 1], directions[:, 0]])
@@ -113,12 +114,12 @@ def _on_rays(segment, rays, turn) -> list:
         x, y = segment.points(np.array([0.0, 1.0]))[int(away.argmax())]
         raise GeometryError(
             f"a segment of the edge {segment.edge!r} ends at ({x:.4g}, {y:.4g}), which lies "
-            "between two rays; change the number of rays, or use spacing"
+            "between two radial rows of particles (rays); change the number of rays, or use spacing"
         )
     if (turn * np.diff(angle) <= -BACK).any():
         raise GeometryError(
-            f"a ray meets the edge {segment.edge!r} twice; move the centre of the rays, or use "
-            "spacing"
+            f"a radial row of particles (ray) meets the edge {segment.edge!r} twice; move the "
+            "centre of the rays, or use spacing"
         )
     found = [(ends[0], radius[0])]
     for ray in range(ends[0] + int(turn), ends[1], int(turn)):
