@@ -30,7 +30,7 @@ _LAZY = {
     "SealFileError": "seal_mdao.errors",
     "SealFile": "seal_mdao.seals.file.file_tables",
     "read_seal_file": "seal_mdao.seals.file.read",
-    "build_seal": "seal_mdao.seals.file.build",
+    "build_seal": "seal_mdao.file_seal",
     "Outline": "seal_mdao.seals.outline.contours",
     "read_dxf": "seal_mdao.seals.outline.dxf",
     "write_dxf": "seal_mdao.seals.outline.dxf",

@@ -22,6 +22,7 @@ from seal_mdao.errors import KinkWarning as KinkWarning
 from seal_mdao.errors import LoadPathError as LoadPathError
 from seal_mdao.errors import SealFileError as SealFileError
 from seal_mdao.errors import TooLargeError as TooLargeError
+from seal_mdao.file_seal import build_seal as build_seal
 from seal_mdao.materials.gent import Gent as Gent
 from seal_mdao.materials.hyperfoam import Hyperfoam as Hyperfoam
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin as MooneyRivlin
@@ -35,7 +36,6 @@ from seal_mdao.scenarios.variation import Scenarios as Scenarios
 from seal_mdao.scenarios.variation import Variation as Variation
 from seal_mdao.seals.door.door_seal import door_seal as door_seal
 from seal_mdao.seals.door.section import Section as Section
-from seal_mdao.seals.file.build import build_seal as build_seal
 from seal_mdao.seals.file.file_tables import SealFile as SealFile
 from seal_mdao.seals.file.read import read_seal_file as read_seal_file
 from seal_mdao.seals.outline.contours import Outline as Outline

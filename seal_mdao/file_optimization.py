@@ -9,11 +9,11 @@ import numpy as np
 
 from seal_mdao.components.rkpm_contact_comp import BESIDE
 from seal_mdao.errors import SealFileError
+from seal_mdao.file_seal import build_seal
 from seal_mdao.measures.gap import BetweenContacts
 from seal_mdao.measures.load_deflection import ForceTarget, LoadDeflectionError
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.optimization import Limit, Task
-from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
@@ -22,7 +22,8 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 from seal_mdao.seals.seal import Seal
 
 CHOSEN = "chosen"
-"""What a recorder file calls load steps and penalties that were chosen, as ``build_seal`` takes them."""
+"""What a recorder file calls particles, load steps and penalties that were chosen, as ``build_seal``
+takes them."""
 
 FILLING = ("spacing", "layers", "edge_spacing", "quadrature")
 """Attributes of a section that give its cloud."""

@@ -117,6 +117,11 @@ class LoadStepProgress:
             name = f"{self._label} {self.analyses}{self._of}"
             print(f"{name}: load step {step.nominal + 1}{of}", file=sys.stderr, flush=True)
 
+    def begin(self, label: str) -> None:
+        """Change the text before the number of the analysis; analyses and times are counted anew."""
+        self._label, self._of = label, ""
+        self.analyses, self._steps_before, self._last = 0, 0, None
+
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps, and the time
         left by the measured time of those before."""

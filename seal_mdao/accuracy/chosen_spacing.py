@@ -1,165 +1,229 @@
-"""Choose the particle spacing of a seal file so that estimated errors are below the allowed error.
+"""Choose the particles of a seal file so that estimated errors are below the admissible ones.
 
-Once, for the nominal seal. Errors fall with the square of the spacing h, so the next cloud has
+Once, for the nominal seal. Errors fall with the square of the spacing h, and what is left of the
+admissible error e by load steps and penalties is that of the particles. So the next cloud has
 
-    h_new = 0.9 h sqrt(tolerance / error),
+    h_new = 0.9 h sqrt((e - e_steps - e_penalties) / e_particles),
 
 with as many more layers across thin walls and as much smaller spacings along edges. Load steps and
-penalties that the file leaves open are chosen with tolerances of a fraction of this one.
+penalties that the file leaves open are chosen for every cloud with tolerances of a fraction of e
+(``seals.file.accuracy``).
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao import values
 from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.seals.chosen_path import store_path
+from seal_mdao.seals.creases import creases
+from seal_mdao.seals.evaluation_points import EvaluationPoints
+from seal_mdao.seals.file.accuracy import admissible_errors, with_filling
+from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.file.section_table import check_section
 from seal_mdao.seals.result import SealResult, analyze
 
 ROUNDS = 5
 """Largest number of clouds."""
 MARGIN = 0.9
 """Factor on the spacing that the order of the error gives."""
-SMALLEST = 0.4
+SMALLEST = 0.3
 """Smallest factor on the spacing from one cloud to the next."""
-STEPS, PENALTIES = 0.25, 0.05
-"""Tolerances of load steps and penalties over that of the measures."""
+LEAST_ORDER = 0.5
+"""Least order of the error in the spacing with which a further cloud is tried."""
+CLEAR = 0.7
+"""Largest factor on the spacing from which this order is computed."""
+
+
+class WorstError(NamedTuple):
+    """Error bar of a measure that is the largest multiple of its admissible error.
+
+    Attributes
+    ----------
+    name : str
+    error, particles : float
+        Error bar and the part of it by the particles, relative.
+    admissible : float
+    """
+
+    name: str
+    error: float
+    particles: float
+    admissible: float
+
+    @property
+    def factor(self) -> float:
+        """Factor on the spacing with which the error becomes admissible; 0 where none does."""
+        left = self.admissible - (self.error - self.particles)
+        # e_particles = C h^2, with a margin
+        return MARGIN * math.sqrt(left / self.particles) if left > 0.0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Cloud that was analysed during the choice of the spacing.
+    """Cloud that was analysed during the choice of the particles.
 
     Attributes
     ----------
     file : SealFile
-        With its spacing.
+        With the spacing of this cloud.
     result : SealResult
     estimates : dict of str to ErrorEstimate
+        By the name of the measure.
     """
 
     file: SealFile
     result: SealResult
     estimates: dict[str, ErrorEstimate]
 
-    def worst(self, names) -> tuple[str, float]:
-        """Find the measure of ``names`` with the largest relative error bar, and this error bar.
+    @property
+    def worst(self) -> WorstError:
+        """Measure whose error bar is the largest multiple of its admissible error.
 
         Raises
         ------
         ValueError
-            When none of them has an estimate; the message gives the reasons.
+            When no measure has an estimate, or one that the file names; the message gives the reasons.
         """
-        found = {name: self.estimates[name] for name in names}
-        known = {
-            name: float(own.bar.max() / own.scale)
-            for name, own in found.items()
-            if own.bar is not None and own.bar.size and own.scale > 0.0
-        }
-        if not known:
-            reasons = "; ".join(dict.fromkeys(own.unknown for own in found.values() if own.unknown))
+        admissible, found = admissible_errors(self.file), []
+        for name, most in admissible.items():
+            own = self.estimates[name]
+            if own.bar is not None and own.bar.size and own.scale > 0.0:
+                at = int(own.bar.argmax())
+                parts = own.bar[at] / own.scale, abs(own.particles[at]) / own.scale
+                found.append(WorstError(name, *map(float, parts), most))
+        missing = self.not_estimated
+        # measures that the file names need an estimate, of all together some may have none
+        if not found or (missing and isinstance(self.file.section.accuracy, dict)):
+            reasons = "; ".join(dict.fromkeys(missing.values()))
             raise ValueError(
-                "the discretisation error of the results cannot be estimated: "
-                f"{reasons or 'all measures are zero'}"
+                f"the numerical error of {', '.join(missing)} cannot be estimated: {reasons}; name "
+                'other measures in accuracy of [section], such as accuracy = { reaction = "1 %" }, or give spacing without accuracy'
             )
-        return max(known.items(), key=lambda item: item[1])
+        return max(found, key=lambda own: own.error / own.admissible)
+
+    @property
+    def not_estimated(self) -> dict[str, str]:
+        """Why measures of ``accuracy`` have no error bar, by their names."""
+        return {
+            name: own.unknown or "the value is zero"
+            for name in admissible_errors(self.file)
+            if (own := self.estimates[name]).bar is None or not own.bar.size or not own.scale > 0.0
+        }
 
 
 def refine(
     file: SealFile,
-    tolerance: float,
-    names=None,
     report: Callable[[Cloud], None] | None = None,
     callback: Callable | None = None,
 ) -> Cloud:
-    """Choose the spacing of a file so that the error bars of its measures are below a tolerance.
+    """Choose the particles of a file for the errors that its ``accuracy`` admits.
+
+    The first analysis of the seal of the returned cloud is not computed again.
 
     Parameters
     ----------
     file : SealFile
-        With a ``spacing`` of ``[section]``.
-    tolerance : float
-        Relative, in (0, 0.5].
-    names : sequence of str, optional
-        Measures of the file; all of them when left out.
+        With ``accuracy`` in ``[section]``.
     report : callable, optional
         Called with every cloud that was tried.
     callback : callable, optional
-        As of ``estimate_errors``.
+        As of ``estimate_errors``. Its method ``begin``, where it has one, is called before the analyses
+        of every cloud with a text.
 
     Returns
     -------
     Cloud
-        The first one within the tolerance.
+        The first one whose errors are admissible, with a file whose particles are chosen.
 
     Raises
     ------
     ValueError
-        For a section that no spacing fills, a file without measures, an unknown name, a tolerance that
-        is not reached with ``ROUNDS`` clouds, or errors that cannot be estimated.
+        When the errors are not reached with ``ROUNDS`` clouds, or cannot be estimated.
     LoadPathError
         For a path that cannot be completed.
     """
-    tolerance = values.real("tolerance", tolerance, above=0.0, high=0.5)
-    if not isinstance(file.section.spacing, float):
-        raise ValueError(
-            "a particle spacing can be chosen only for a section with the key spacing, but "
-            "[section] of the seal file has rays or cloud; replace this key by spacing"
-        )
-    known = [measure.name for measure in file.measures]
-    names = known if names is None else list(names)
-    unknown = [name for name in names if name not in known]
-    if unknown or not names:
-        raise ValueError(
-            f"unknown measure {unknown[0]!r}; known are {', '.join(known)}" if unknown
-            else "the seal file has no measure whose numerical error could be estimated; add a "
-            "[[measure]]"
-        )  # fmt: skip
-    file = _with_tolerances(file, tolerance)
+    begin = getattr(callback, "begin", lambda text: None)
+    filling, before = file.section.filling, None
     for _ in range(ROUNDS):
+        file = with_filling(file, filling)
+        check_section(file)
+        begin(f"spacing {filling['spacing']:g} mm")
         # factors are used again by the estimate
-        result = analyze(build_seal(file), keep_factors=True)
+        result = analyze(built(file, callback), keep_factors=True, callback=callback)
+        result.require_converged()
+        _require_limit(result)
+        begin(f"spacing {filling['spacing']:g} mm, error estimate")
         cloud = Cloud(file, result, estimate_errors(file, result, callback))
         if report is not None:
             report(cloud)
-        name, error = cloud.worst(names)
-        if error <= tolerance:
+        worst = cloud.worst
+        if worst.error <= worst.admissible:
+            # the analysis of the seal, which is not computed again
+            store_path(result.seal, result.path)
             return cloud
-        # error = C h^2: h times sqrt(tolerance / error), with a margin
-        file = with_factor(file, max(SMALLEST, MARGIN * math.sqrt(tolerance / error)))
+        _require_decrease(cloud, before)
+        before, filling = cloud, with_factor(filling, max(SMALLEST, worst.factor))
     raise ValueError(
-        f"the estimated numerical error of {name} is still {100.0 * error:.2g} % with a particle "
-        f"spacing of {cloud.file.section.spacing:g} mm and {len(result.particles)} particles; "
-        "allow a larger error (--to of the command), or name fewer measures"
+        f"the estimated numerical error of {worst.name} is still {worst.error:.2%} with a spacing of "
+        f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; admit a larger "
+        "error, or name fewer measures"
     )
 
 
-def _with_tolerances(file: SealFile, tolerance: float) -> SealFile:
-    """Choose load steps and penalties with tolerances that fit to that of the measures."""
-    steps = file.step_tolerance
-    return replace(
-        file,
-        step_tolerance=None if steps is None else min(steps, STEPS * tolerance),
-        penalty_tolerance=min(file.penalty_tolerance, PENALTIES * tolerance),
-    )
+def _require_limit(result: SealResult) -> None:
+    """Raise ValueError for a free surface with creases, where refinement has no limit."""
+    text = creases(EvaluationPoints(result.path))
+    if text:
+        raise ValueError(
+            f"numerical errors cannot be estimated, because {text}, or give spacing without accuracy"
+        )
 
 
-def with_factor(file: SealFile, factor: float) -> SealFile:
-    """Multiply all distances of the particles of a file by a factor; round to three digits."""
-    section = file.section
-    # cells across a wall: layers - 1
-    layers = 1 + math.ceil((section.layers - 1) / factor - 1e-9)
-    return replace(
-        file,
-        section=replace(
-            section, spacing=_rounded(factor * section.spacing), layers=layers,
-            edge_spacing={name: _rounded(factor * h) for name, h in section.edge_spacing.items()},
-        ),
-    )  # fmt: skip
+def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
+    """Raise ValueError where smaller spacings do not reduce the error: of given load steps and
+    penalties, and of measures that do not converge."""
+    worst = cloud.worst
+    if not worst.factor > 0.0:
+        raise ValueError(
+            f"the load steps and penalties of the file alone cause a numerical error of {worst.name} of "
+            f"{worst.error - worst.particles:.2g} times its value, more than the admissible "
+            f"{worst.admissible:.2%}; leave them out of the file, so that they are chosen"
+        )
+    if before is None:
+        return
+    spacings = [own.file.section.spacing for own in (before, cloud)]
+    own = before.estimates[worst.name]
+    if spacings[1] > CLEAR * spacings[0] or own.particles is None:
+        return
+    # p = log(e_before / e) / log(h_before / h)
+    error = float(np.abs(own.particles).max() / own.scale)
+    order = math.log(error / worst.particles) / math.log(spacings[0] / spacings[1])
+    if order < LEAST_ORDER:
+        raise ValueError(
+            f"the estimated numerical error of {worst.name} does not decrease with the spacing: {error:.2%} "
+            f"with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; values at sharp "
+            "corners and at ends of fixed edges have no limit (away_from_singular of [[measure]]); "
+            "name other measures in accuracy"
+        )
+
+
+def with_factor(filling: dict, factor: float) -> dict:
+    """Multiply all distances of particles by a factor, rounded to three digits.
+
+    ``filling`` is as of ``seals.file.accuracy.with_filling``, and so is the result.
+    """
+    edges = filling["edge_spacing"].items()
+    return {
+        "spacing": _rounded(factor * filling["spacing"]),
+        # cells across a wall: layers - 1
+        "layers": 1 + math.ceil((filling["layers"] - 1) / factor - 1e-9),
+        "edge_spacing": {name: _rounded(factor * h) for name, h in edges},
+    }
 
 
 def _rounded(size: float) -> float:

@@ -2,6 +2,7 @@
 
 import argparse
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -55,17 +56,20 @@ def main(arguments) -> int:
     # so does a material that Abaqus does not have
     if arguments.abaqus:
         require_exportable(file)
-    result, wall = analyzed(file)
+    clouds = []
+    file, result, wall = analyzed(file, clouds.append)
     # warnings and forces are on the screen before figures are computed
     report_faults(result)
     print_forces(result)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"part": file.part or None, "wall_s": wall}
+    if file.section.chosen:
+        summary["filling"] = file.section.filling
     write_summary(arguments.out, summary)
     report(result, summary)
-    if arguments.errors and result.converged:
-        # other analyses follow, and the summary again with what they say
-        estimates = errors_of(file, result)
+    if (arguments.errors or clouds) and result.converged:
+        # other analyses follow, unless the particles were chosen by them, and the summary again
+        estimates = clouds[-1].estimates if clouds else errors_of(file, result)
         summary["errors"] = error_summary(estimates)
         # beside the value of every measure, too
         for name, found in summary["measures"].items():
@@ -86,20 +90,34 @@ def main(arguments) -> int:
     return 0 if result.trustworthy else 1
 
 
-def analyzed(file) -> tuple[SealResult, float]:
-    """Analyse the nominal seal of a file; also return the seconds that this took, the choice of load
-    steps and penalties included."""
+def analyzed(file, report: Callable | None = None) -> tuple[sm.SealFile, SealResult, float]:
+    """Analyse the nominal seal of a file.
+
+    Parameters
+    ----------
+    file : SealFile
+    report : callable, optional
+        As of ``seal_of``.
+
+    Returns
+    -------
+    SealFile
+        With the particles of the seal.
+    SealResult
+    float
+        Seconds, the choice of particles, load steps and penalties included.
+    """
     begun = time.perf_counter()
     try:
-        seal = seal_of(file)
+        file, seal = seal_of(file, report=report)
     except sm.LoadPathError as error:  # no load steps to be found; what was computed is shown
-        return error.result, time.perf_counter() - begun
+        return file, error.result, time.perf_counter() - begun
     # report or refuse analyses that take long
     announce(seal)
     with file_errors(file.path), LoadStepProgress(seal) as progress:
         # factors are reused by the adjoint gradients of the measures
         result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
-    return result, time.perf_counter() - begun
+    return file, result, time.perf_counter() - begun
 
 
 def errors_of(file, result: SealResult) -> dict:

@@ -17,7 +17,7 @@ def main(arguments) -> int:
     with checked_arguments():
         # an unknown ending or missing ffmpeg fails before the analysis
         check_format(path)
-    result, _ = analyzed(file_of(arguments.file))
+    _, result, _ = analyzed(file_of(arguments.file))
     # nothing to animate without a converged load step
     if not len(result.path.nominal_steps):
         print(f"NOT CONVERGED: {result.failure}")

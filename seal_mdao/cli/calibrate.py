@@ -37,7 +37,7 @@ def main(arguments) -> int:
     names = [parameter_name("--find", name, unchosen.scalars) for name in arguments.find]
     along, where, measured = readings(arguments.csv, unchosen.units)
     force = force_of(unchosen, arguments, where, along)
-    seal = seal_of(file, unchosen=unchosen)
+    _, seal = seal_of(file, unchosen=unchosen)
     announce(seal)
     with tqdm(unit="analysis", disable=hidden(), leave=False, desc="calibrating") as bar:
 

@@ -1,6 +1,7 @@
 """Read a seal file, fill its section with particles, draw it, and estimate the time of an analysis.
 
-The command runs no analysis, so load steps and penalties that the file does not give are not chosen.
+The command runs no analysis, so particles, load steps and penalties that the file does not give are not
+chosen: with accuracy in [section] the particles are those with which their choice starts.
 The time of their choice is estimated as that of one analysis with ``COARSE`` load steps, and, if load
 steps are chosen, of another one with twice as many. The estimate does not include cut steps, losses of
 stability and further analyses. Measured times of choice and last analysis are 0.2 to 3 times the
@@ -43,6 +44,7 @@ def main(arguments) -> int:
     picture = plotting.save(plotting.section_cloud(start), arguments.out / "section.png")
     # settings that an analysis would choose automatically
     open_choices = [
+        *(["particles"] if file.leaves_particles_open else []),
         *(["load steps"] if file.step_tolerance is not None else []),
         *file.open_penalties,
     ]
@@ -106,9 +108,10 @@ def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
     output = summary["estimated_seconds_of_output"]
     total = duration(summary["estimated_seconds"] + choice + output)
     # what is chosen: load steps, penalties, or both
+    named = ("particles", "load steps")
     chosen = " and ".join(
         ["load steps"] * ("load steps" in summary["to_be_chosen"])
-        + ["penalties"] * any(own != "load steps" for own in summary["to_be_chosen"])
+        + ["penalties"] * any(own not in named for own in summary["to_be_chosen"])
     )
     choosing = f"{duration(choice)} for the choice of {chosen} and " if chosen else ""
     print(
@@ -117,6 +120,11 @@ def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
         f"{summary['estimated_memory_GiB']:.2g} GiB; if load steps have to be halved or the seal "
         f"buckles, up to {LONGEST} times as long"
     )
+    if "particles" in summary["to_be_chosen"]:
+        print(
+            "these are the particles with which the choice for accuracy starts: it analyses them and "
+            "smaller ones, and every time estimates the errors"
+        )
     for text in summary["warnings"]:
         print(f"WARNING: {text}")
     print(picture)

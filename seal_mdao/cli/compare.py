@@ -29,7 +29,7 @@ def main(arguments) -> int:
     results, summary = {}, {}
     for name, file in files.items():
         print(f"{name}: {file.path}")
-        results[name], _ = analyzed(file)
+        _, results[name], _ = analyzed(file)
         summary[name] = summarize(results[name])
         # after every seal, so that an interruption loses one analysis at most
         write_summary(arguments.out, summary)

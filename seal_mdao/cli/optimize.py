@@ -52,10 +52,11 @@ from seal_mdao.seals.result import frozen_measures
 def main(arguments) -> int:
     file = file_of(arguments.file)
     optimizer, chosen = arguments.optimizer, None
-    # a continued run uses its own optimiser, load steps and penalties
+    # a continued run uses its own optimiser, particles, load steps and penalties
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
-    seal, cache = seal_of(file, chosen, checked_seal(arguments, file)), AnalysisCache()
+    file, seal = seal_of(file, chosen, checked_seal(arguments, file))
+    cache = AnalysisCache()
 
     def task_of(run: RunOptions):
         with file_errors(arguments.file):
@@ -133,7 +134,7 @@ def checked_seal(arguments, file) -> OutlineSeal:
 
 
 def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
-    """Optimiser, load steps and penalties of the run to continue, when its seal file is the same.
+    """Optimiser, and what was chosen for the run to continue, when its seal file is the same.
 
     Raises
     ------
@@ -259,7 +260,7 @@ def arguments_parser():
         "file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]"
     )
     add_optimization_arguments(
-        made, "continue the run of the same FILE recorded in CASES.sql, with its load steps, "
-        "penalties and optimiser; default of --out: the folder of CASES.sql",
+        made, "continue the run of the same FILE recorded in CASES.sql, with its particles, "
+        "load steps, penalties and optimiser; default of --out: the folder of CASES.sql",
     )  # fmt: skip
     return made

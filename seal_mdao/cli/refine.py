@@ -1,4 +1,8 @@
-"""Choose the particle spacing so that the estimated errors of the measures are at most PERCENT."""
+"""Choose the particles so that the estimated errors of the measures are at most PERCENT, and write
+them into a copy of the seal file.
+
+The particles are those that the key accuracy of [section] chooses.
+"""
 
 import json
 import os
@@ -7,44 +11,37 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao import plotting
-from seal_mdao.accuracy.chosen_spacing import Cloud, refine
 from seal_mdao.cli.arguments import WrongArgumentError, parser, percentage, write_summary
 from seal_mdao.cli.error_table import error_summary, print_errors
-from seal_mdao.cli.seal_files import file_errors, file_of
-from seal_mdao.progress import LoadStepProgress
+from seal_mdao.cli.seal_files import file_errors, file_of, filling_lines, seal_of
+from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.described import named_in
+from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.file.read import read_changed
 from seal_mdao.seals.result import unloaded
+from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE, STEP_TOLERANCE
+
+USUAL = 0.01
+"""Error that is admissible where neither the command nor the file gives one."""
 
 
 def main(arguments) -> int:
-    file, tried = file_of(arguments.file), []
-    written = arguments.out / f"{arguments.file.stem}.toml"
+    written, tried = arguments.out / f"{arguments.file.stem}.toml", []
     if written.resolve() == arguments.file.resolve():
         raise WrongArgumentError(
             f"argument --out: {written} is the seal file itself and would be overwritten; choose "
             "another folder"
         )
+    file = with_accuracy(file_of(arguments.file), arguments.to, arguments.measures)
     with file_errors(arguments.file):
-        require_line(arguments.file)
-
-    def report(cloud: Cloud) -> None:
-        tried.append(cloud)
-        section = cloud.file.section
-        name, error = cloud.worst(arguments.measures or [own.name for own in file.measures])
-        print(
-            f"spacing {section.spacing:g} mm, {section.layers} layers, "
-            f"{len(cloud.result.particles)} particles: error up to {100.0 * error:.2g} % ({name})",
-            flush=True,
-        )
-
-    with file_errors(arguments.file), LoadStepProgress(None, "error estimate") as progress:
-        found = refine(file, arguments.to, arguments.measures, report, progress)
+        # a text in which the particles cannot be written is an error before the analyses
+        refined_text(file, arguments.out)
+    file, seal = seal_of(file, report=tried.append)
+    found = tried[-1]
     print_errors(found.estimates, found.result)
     plotting.save(plotting.error_parts(found.estimates), arguments.out / "errors.png")
-    plotting.save(
-        plotting.section_cloud(unloaded(found.result.seal)), arguments.out / "section.png"
-    )
-    written.write_text(refined_text(arguments.file, found, arguments.out), encoding="utf-8")
+    plotting.save(plotting.section_cloud(unloaded(seal)), arguments.out / "section.png")
+    written.write_text(refined_text(file, arguments.out), encoding="utf-8")
     clouds = [
         {
             "spacing_mm": cloud.file.section.spacing, "layers": cloud.file.section.layers,
@@ -52,60 +49,115 @@ def main(arguments) -> int:
         }
         for cloud in tried
     ]  # fmt: skip
-    write_summary(
-        arguments.out, {"tolerance": arguments.to, "clouds": clouds, "file": written.name}
-    )
+    summary = {"accuracy": file.section.accuracy, "clouds": clouds, "file": written.name}
+    write_summary(arguments.out, summary)
     print(
-        f"{written} has this spacing; errors.png, section.png and summary.json are in the same "
+        f"{written} has these particles; errors.png, section.png and summary.json are in the same "
         "folder"
     )
     return 0
 
 
-SPACING = re.compile(r"(?m)^spacing\s*=.*$")
-"""Line of a seal file with the spacing."""
+def with_accuracy(file: SealFile, most: float | None, measures: list[str] | None) -> SealFile:
+    """Read a seal file again with another ``accuracy``: at most ``most``, of ``measures``.
+
+    Without both, the accuracy of the file remains, ``USUAL`` for a file without.
+
+    Raises
+    ------
+    SealFileError
+        For unknown measures, and a section with rays or a cloud.
+    """
+    own = file.section.accuracy
+    if own is not None and most is None and measures is None:
+        return file
+    text = f"{100.0 * (USUAL if most is None else most):.9g} %"
+
+    def change(tables: dict) -> None:
+        tables["section"]["accuracy"] = dict.fromkeys(measures, text) if measures else text
+
+    return read_changed(file.path, change)
 
 
-def require_line(path: Path) -> None:
-    """Raise ValueError for a seal file without a line of its own for ``spacing``."""
-    if not SPACING.search(path.read_text(encoding="utf-8")):
-        raise ValueError(
-            "the key spacing of [section] must be on a separate line of the seal file, spacing = "
-            "..., so that its value can be replaced"
-        )
+LINE = re.compile(r"(?m)^(spacing|accuracy|layers|edge_spacing)\s*=.*\n")
+"""Line of a seal file with a key that the chosen particles replace."""
 
 
-def refined_text(path: Path, cloud: Cloud, folder: Path) -> str:
-    """Write the chosen distances into the text of a seal file, whose other lines stay as they are.
+def refined_text(file: SealFile, folder: Path) -> str:
+    """Write the particles of a file, and its tolerances of load steps and penalties, into its text,
+    whose other lines stay as they are.
 
     Paths of files beside it become relative to ``folder``.
+
+    Raises
+    ------
+    ValueError
+        For a text in which the keys are not on lines of their own.
     """
-    text, section = path.read_text(encoding="utf-8"), cloud.file.section
-    for name in named_in(tomllib.loads(text)):
+    path, text = file.path, read_text(file.path)
+    tables = tomllib.loads(text)
+    for name in named_in(tables):
         moved = Path(os.path.relpath(path.parent / name, folder)).as_posix()
         text = text.replace(json.dumps(name), json.dumps(moved)).replace(f"'{name}'", f"'{moved}'")
-    lines = [f"spacing = {section.spacing:g}", f"layers = {section.layers}"]
-    if section.edge_spacing:
-        sizes = ", ".join(f"{name} = {h:g}" for name, h in section.edge_spacing.items())
-        lines.append(f"edge_spacing = {{ {sizes} }}")
-    # old lines of these keys, then the new ones where spacing was
-    text = re.sub(r"(?m)^(layers|edge_spacing)\s*=.*\n", "", text)
-    return SPACING.sub("\n".join(lines), text, count=1)
+    # the new keys where the first old one was
+    first = next((own.start() for own in LINE.finditer(text)), None)
+    if first is not None:
+        rest = LINE.sub("", text[first:])
+        text = text[:first] + "\n".join([*filling_lines(file.section), rest])
+    tolerances = {}
+    if file.step_tolerance is not None:
+        tolerances["steps"] = file.step_tolerance, STEP_TOLERANCE
+    if file.open_penalties:
+        tolerances["penalties"] = file.penalty_tolerance, PENALTY_TOLERANCE
+    for name, (tolerance, usual) in tolerances.items():
+        if tolerance != tables.get(name, {}).get("tolerance", usual):
+            text = _with_tolerance(text, name, tolerance)
+    _require_keys(text, file, tolerances)
+    return text
+
+
+def _with_tolerance(text: str, name: str, tolerance: float) -> str:
+    """Write the tolerance of ``[steps]`` or ``[penalties]``; add the table where it is missing."""
+    line = f"tolerance = {tolerance:.9g}"
+    table = re.compile(rf"(?m)^(\[{name}\][^\[]*?^)tolerance\s*=.*$")
+    if table.search(text):
+        return table.sub(lambda found: found[1] + line, text, count=1)
+    return f"{text.rstrip()}\n\n[{name}]\n{line}\n"
+
+
+def _require_keys(text: str, file: SealFile, tolerances: dict) -> None:
+    """Raise ValueError for a text that does not have the particles and tolerances of a file."""
+    try:
+        tables = tomllib.loads(text)
+    except ValueError:
+        tables = {"section": {}}
+    section, filling = tables["section"], file.section.filling
+    found = {name: section.get(name, {}) for name in filling}
+    tolerances = {name: own for name, (own, usual) in tolerances.items()}
+    usual = {"steps": STEP_TOLERANCE, "penalties": PENALTY_TOLERANCE}
+    kept = {name: tables.get(name, {}).get("tolerance", usual[name]) for name in tolerances}
+    if found != filling or "accuracy" in section or kept != tolerances:
+        raise ValueError(
+            "spacing, accuracy, layers and edge_spacing of [section] must be on lines of their own, "
+            "such as spacing = 0.5, and so must tolerance of [steps] and [penalties], so that they "
+            "can be replaced"
+        )
 
 
 def arguments_parser():
     made = parser(__doc__, "out/refined", "FILE", "seal-mdao refine bulb.toml --to 1")
     made.add_argument(
-        "file", type=Path, metavar="FILE", help="seal file (TOML) with spacing in [section]"
-    )
-    made.add_argument(
-        "--to", type=percentage, default=0.01, metavar="PERCENT",
-        help="allowed estimated numerical error of every measure, in percent of its value",
+        "file", type=Path, metavar="FILE",
+        help="seal file (TOML) with spacing or accuracy in [section]",
     )  # fmt: skip
     made.add_argument(
-        "--measures",
-        nargs="+",
-        metavar="NAME",
-        help="measures of the seal file to which the allowed error applies; default: all",
-    )
+        "--to", type=percentage, metavar="PERCENT",
+        help="allowed estimated numerical error of every measure, in percent of its value; default: "
+        "accuracy of the file, or 1",
+    )  # fmt: skip
+    made.add_argument(
+        "--measures", nargs="+", metavar="NAME",
+        help="measures of the seal file to which the allowed error applies; default: those of its "
+        "accuracy, or all",
+    )  # fmt: skip
     return made

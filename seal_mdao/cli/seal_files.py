@@ -1,14 +1,19 @@
 """Read seal files for the subcommands, with one-line errors."""
 
+import json
+from collections.abc import Callable
 from contextlib import contextmanager
 from pathlib import Path
 
 import seal_mdao as sm
+from seal_mdao.accuracy.chosen_spacing import Cloud
+from seal_mdao.file_seal import file_and_seal
 from seal_mdao.plotting.captions import name_seal
 from seal_mdao.progress import LoadStepProgress, Waiting
-from seal_mdao.seals.file.build import build_seal, unchosen_seal
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 
@@ -49,16 +54,27 @@ def filled(file: SealFile) -> OutlineSeal:
 
 
 def seal_of(
-    file: SealFile, chosen: dict | None = None, unchosen: OutlineSeal | None = None
-) -> OutlineSeal:
-    """Build the seal of a file; choose the load steps and penalties that are not given.
+    file: SealFile,
+    chosen: dict | None = None,
+    unchosen: OutlineSeal | None = None,
+    report: Callable[[Cloud], None] | None = None,
+) -> tuple[SealFile, OutlineSeal]:
+    """Build the seal of a file; choose particles, load steps and penalties that are not given.
 
     Parameters
     ----------
     chosen : dict, optional
-        Load steps and penalties chosen before, as ``chosen_for`` returns them.
+        What was chosen before, as ``chosen_for`` returns it.
     unchosen : OutlineSeal, optional
         As of ``build_seal``.
+    report : callable, optional
+        Called with every cloud that is tried for the ``accuracy`` of the file.
+
+    Returns
+    -------
+    SealFile
+        With the particles of the seal.
+    OutlineSeal
 
     Raises
     ------
@@ -68,17 +84,40 @@ def seal_of(
     """
     for notice in filter(None, (file.section.notice, file.part)):
         print(notice)
-    unchosen = filled(file) if unchosen is None else unchosen
+    if unchosen is None and not file.leaves_particles_open:
+        unchosen = filled(file)
+
+    def tried(cloud: Cloud) -> None:
+        print(cloud_line(cloud), flush=True)
+        if report is not None:
+            report(cloud)
+
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run
-            return build_seal(file, **(chosen or {}), unchosen=unchosen)
+            return file_and_seal(file, **(chosen or {}), unchosen=unchosen)
         with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
-            seal = build_seal(file, progress, unchosen=unchosen)
+            file, seal = file_and_seal(file, progress, tried, unchosen=unchosen)
     # the choice decides the results: print it
     for line in chosen_lines(file, seal):
         print(line)
-    return seal
+    return file, seal
+
+
+def cloud_line(cloud: Cloud) -> str:
+    """Describe the particles of a cloud, and its largest error in relation to the admissible one."""
+    worst, filling = cloud.worst, ", ".join(filling_lines(cloud.file.section))
+    return (
+        f"{filling}, {len(cloud.result.particles)} particles: estimated error of {worst.name} "
+        f"{100.0 * worst.error:.2g} % (at most {100.0 * worst.admissible:g} %)"
+    )
+
+
+def filling_lines(section: SectionTable) -> list[str]:
+    """Write the particles of a section as keys of ``[section]``."""
+    lines = [f"spacing = {section.spacing:g}", f"layers = {section.layers}"]
+    edges = [f"{json.dumps(name)} = {h:g}" for name, h in section.edge_spacing.items()]
+    return lines + ([f"edge_spacing = {{ {', '.join(edges)} }}"] if edges else [])
 
 
 def _open_in(file: SealFile) -> str:
@@ -87,8 +126,10 @@ def _open_in(file: SealFile) -> str:
 
 
 def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
-    """List the chosen load steps and penalties with their allowed errors, one line each."""
+    """List what was chosen with its allowed errors, one line each."""
     lines = []
+    if file.section.chosen:
+        lines.append(f"particles chosen for accuracy: {', '.join(filling_lines(file.section))}")
     if file.step_tolerance is not None:
         within = f"chosen for an error of at most {file.step_tolerance:.2%}"
         missed = f"whose error exceeds the allowed {file.step_tolerance:.2%}"

@@ -9,6 +9,7 @@ from pathlib import Path
 from seal_mdao.cli.arguments import WrongArgumentError
 from seal_mdao.cli.seal_files import filled, seal_of
 from seal_mdao.cli.varied_travel import set_travel
+from seal_mdao.seals.file.accuracy import with_filling
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_changed
 from seal_mdao.seals.file.reference import unit_of_key
@@ -69,17 +70,21 @@ class Varied:
         """Return the seal of every value, built when it is asked for, with its changed parameters.
 
         Load steps and penalties that the file leaves open are chosen once for a parameter, anew for a
-        number of the file.
+        number of the file; particles once for the file.
         """
-        files = self.files(file, values)
-        seal = seal_of(file, unchosen=self.unchosen) if self.change is None else None
+        files, seal = self.files(file, values), None
+        if self.change is None:
+            _, seal = seal_of(file, unchosen=self.unchosen)
+        elif file.leaves_particles_open:
+            filling = seal_of(file)[0].section.filling
+            files = [with_filling(own, filling) for own in files]
         if seal is not None and self.name not in seal.scalars:
             seal = seal.with_placements()
         for own, value in zip(files, values, strict=True):
             if seal is not None:
                 yield seal, {self.name: float(value)}
             else:
-                yield seal_of(own), {}
+                yield seal_of(own)[1], {}
 
 
 def varied(file: SealFile, name: str) -> Varied:
@@ -95,6 +100,11 @@ def varied(file: SealFile, name: str) -> Varied:
     """
     tables = tomllib.loads(file.path.read_text(encoding="utf-8"))
     if "." in name:
+        if name.startswith("section.") and file.section.accuracy is not None:
+            raise WrongArgumentError(
+                f"--vary: {name} cannot be varied, because the particles are chosen for accuracy of "
+                "[section]; give spacing without accuracy"
+            )
         return _number_of(tables, name)
     unchosen = filled(file)
     # as for tolerances, placements of profiles are parameters

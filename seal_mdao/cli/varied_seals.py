@@ -58,7 +58,8 @@ def file_with_tolerances(arguments, others: tuple) -> tuple[sm.SealFile, sm.Seal
             "parameter that scatters, or give a separate file of tolerances (--tolerances "
             "FILE.toml)"
         )
-    return file, seal_of(file, unchosen=unchosen).with_placements(), tolerances
+    file, seal = seal_of(file, unchosen=unchosen)
+    return file, seal.with_placements(), tolerances
 
 
 def _from_file(path: Path, seal: sm.Seal) -> Tolerances:

@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.door.door_seal import DOOR_SEAL, described_door_seal
+from seal_mdao.seals.file.accuracy import with_filling
 from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.described import FILE, named_in, unpacked
 from seal_mdao.seals.file.file_tables import SealFile
@@ -57,8 +58,8 @@ def _seal_of_file(found: dict) -> OutlineSeal:
                     "the recorder file lacks a file to which the seal file refers (drawing, mesh, "
                     "tests or targets)"
                 )
-            file = read_seal_file(path)
-            seal = built(file, **_all_chosen(found["chosen"], file))
+            file, chosen = _all_chosen(found["chosen"], read_seal_file(path))
+            seal = built(file, **chosen)
             return seal.made_from({key: found[key] for key in (FILE, "beside", "chosen")})
     except (TypeError, KeyError, AttributeError, ValueError, SealFileError) as error:
         raise ValueError(
@@ -66,15 +67,20 @@ def _seal_of_file(found: dict) -> OutlineSeal:
         ) from error
 
 
-def _all_chosen(chosen: dict, file: SealFile) -> dict:
-    """What was chosen for a file, when it is all that the file leaves open: nothing is analysed here."""
-    left_open = {"step_ends": file.step_tolerance is not None, "penalties": file.open_penalties}
+def _all_chosen(chosen: dict, file: SealFile) -> tuple[SealFile, dict]:
+    """Take what was chosen for a file, when it is all that the file leaves open: nothing is analysed
+    here. Return the file with its particles, and the rest."""
+    left_open = {
+        "filling": file.leaves_particles_open, "step_ends": file.step_tolerance is not None,
+        "penalties": file.open_penalties,
+    }  # fmt: skip
     if set(chosen) != {name for name, is_open in left_open.items() if is_open}:
         raise ValueError(
-            "the recorder file lacks the load steps or contact penalties that were chosen in the "
-            "recorded optimisation"
+            "the recorder file lacks the particles, load steps or contact penalties that were chosen "
+            "in the recorded optimisation"
         )
-    return chosen
+    rest = {name: own for name, own in chosen.items() if name != "filling"}
+    return with_filling(file, chosen["filling"]) if "filling" in chosen else file, rest
 
 
 def described(settings: dict) -> dict:

@@ -11,10 +11,10 @@ import numpy as np
 
 from seal_mdao.accuracy.error_estimate import estimate_errors
 from seal_mdao.errors import LoadPathError
+from seal_mdao.file_seal import file_and_seal
 from seal_mdao.input_files import read_text
 from seal_mdao.plotting.field import FineGrid, fine_grid
 from seal_mdao.report.picture_data import POINTS
-from seal_mdao.seals.file.build import build_seal, unchosen_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.read import read_seal_file
@@ -46,6 +46,10 @@ class Progress:
         self._report, self._watch, self._what = report, watch, what
         self._head, self._total = what, 0
 
+    def begin(self, what: str) -> None:
+        """Note what is being done from now on."""
+        self._what = what
+
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Note analysis ``number`` of at least ``of``, with ``n_steps`` load steps."""
         self._head, self._total = f"{self._what}: analysis {number} of {of}", n_steps
@@ -68,7 +72,7 @@ class Workbench:
     watch : callable
         Called often; raises ``StoppedError`` when the calculation is no longer wanted.
     chosen : dict, optional
-        Load steps and penalties chosen before (``chosen_for``).
+        Particles, load steps and penalties chosen before (``chosen_for``).
 
     Raises
     ------
@@ -80,9 +84,8 @@ class Workbench:
         report("reading the file, placing particles")
         self.file = read_seal_file(self.path)
         self.tables = tomllib.loads(read_text(self.path))
-        unchosen = unchosen_seal(self.file)
         progress = Progress(report, watch)
-        built = build_seal(self.file, progress, **(chosen or {}), unchosen=unchosen)
+        self.file, built = file_and_seal(self.file, progress, **(chosen or {}))
         self.chosen, self._plain, self._report = chosen_for(self.file, built), built, report
         self.seal = with_handles(built, self.file)
         self.seal.made_from(description(self.file, built) | {"handles": True})

@@ -1,7 +1,9 @@
-"""The spacing of particles is chosen so that errors are below a tolerance."""
+"""Particles are chosen for admissible errors: by the key ``accuracy`` and the command ``refine``."""
 
 import json
+import re
 import tomllib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,110 +13,257 @@ import seal_mdao as sm
 from seal_mdao.accuracy import chosen_spacing
 from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
+from seal_mdao.cli.refine import refined_text
 from seal_mdao.cli.subcommands import main
+from seal_mdao.file_seal import file_and_seal
+from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.result import analyze
+from seal_mdao.seals.settings import seal_of
+
+REACTION = '{ reaction = "1 %" }'
 
 
-def estimate(relative):
-    return ErrorEstimate(np.array([2.0]), np.array([2.0 * relative]), np.zeros(1), np.zeros(1), 2.0)
+def estimate(relative, steps=0.0):
+    return ErrorEstimate(
+        np.array([2.0]), np.array([2.0 * relative]), np.array([2.0 * steps]), np.zeros(1), 2.0
+    )
+
+
+def accurate(folder, accuracy=REACTION, spacing="spacing = 0.8", **given):
+    """Cord with ``accuracy`` and a line for the spacing, which may be empty."""
+    path = cord(folder, spacing=0.8, **given)
+    text = path.read_text().replace("spacing = 0.8", f"{spacing}\naccuracy = {accuracy}")
+    path.write_text(text)
+    return path
+
+
+class NoResult:
+    """Stands for a completed analysis of 12 particles."""
+
+    particles, seal, path = np.zeros((12, 2)), None, None
+
+    def require_converged(self):
+        pass
+
+
+def errors_by(monkeypatch, estimated):
+    """Replace the estimate by a function of the spacing; nothing is analysed."""
+    monkeypatch.setattr(
+        chosen_spacing, "estimate_errors", lambda file, *others: estimated(file.section.spacing)
+    )
+    monkeypatch.setattr(chosen_spacing, "built", lambda file, callback: None)
+    monkeypatch.setattr(chosen_spacing, "analyze", lambda seal, keep_factors, callback: NoResult())
+    monkeypatch.setattr(chosen_spacing, "_require_limit", lambda result: None)
+    monkeypatch.setattr(chosen_spacing, "store_path", lambda seal, path: None)
 
 
 @pytest.fixture
 def second_order(monkeypatch):
-    """Errors of 4 % at a spacing of 0.8 mm that fall with its square; nothing is analysed."""
+    """Errors of 4 % at a spacing of 0.8 mm that fall with its square, of the width of 16 %."""
 
-    def estimated(file, result, callback):
-        return {"reaction": estimate(0.04 * (file.section.spacing / 0.8) ** 2)}
+    def estimated(spacing):
+        relative = 0.04 * (spacing / 0.8) ** 2
+        return {"reaction": estimate(relative), "contact_width": estimate(4.0 * relative)}
 
-    monkeypatch.setattr(chosen_spacing, "estimate_errors", estimated)
-    monkeypatch.setattr(chosen_spacing, "build_seal", lambda file: None)
-    monkeypatch.setattr(chosen_spacing, "analyze", lambda seal, keep_factors: None)
+    errors_by(monkeypatch, estimated)
+
+
+def tried_spacings(path):
+    tried = []
+    found = refine(sm.read_seal_file(path), tried.append)
+    assert tried[-1] is found
+    return [cloud.file.section.spacing for cloud in tried], found
 
 
 def test_second_order(second_order, tmp_path):
     """Two clouds are enough; the second is no finer than needed."""
-    tried = []
-    found = refine(sm.read_seal_file(cord(tmp_path, spacing=0.8)), 0.01, ["reaction"], tried.append)
-    assert tried[-1] is found
+    spacings, found = tried_spacings(accurate(tmp_path))
     # 0.9 * 0.8 mm * sqrt(1/4)
-    assert [cloud.file.section.spacing for cloud in tried] == [0.8, 0.36]
-    assert found.worst(["reaction"]) == ("reaction", pytest.approx(0.0081))
+    assert spacings == [0.8, 0.36]
+    assert found.worst.name == "reaction"
+    assert found.worst.error == pytest.approx(0.0081)
+    assert found.file.section.chosen
 
 
-def test_tolerances_of_steps_and_penalties(second_order, tmp_path):
-    """Those that the file leaves open; given steps stay."""
-    path = cord(tmp_path, spacing=0.8)
-    found = refine(sm.read_seal_file(path), 0.01, ["reaction"])
-    assert found.file.penalty_tolerance == pytest.approx(5e-4)
-    assert found.file.step_tolerance is None
-    path.write_text(path.read_text().replace(", steps = 16", ""))
-    assert refine(sm.read_seal_file(path), 0.01, ["reaction"]).file.step_tolerance == 0.0025
-    assert refine(sm.read_seal_file(path), 0.1, ["reaction"]).file.step_tolerance == 0.005
-
-
-def test_slower_convergence_ends(monkeypatch, second_order, tmp_path):
-    monkeypatch.setattr(
-        chosen_spacing, "estimate_errors", lambda *given: {"reaction": estimate(0.04)}
+def test_every_measure_has_its_own_admissible_error(second_order, tmp_path):
+    """The measure farthest beyond its own error decides, not that with the largest error."""
+    spacings, found = tried_spacings(
+        accurate(tmp_path, '{ reaction = "1 %", contact_width = "10 %" }')
     )
-    monkeypatch.setattr(chosen_spacing, "analyze", lambda seal, keep_factors: Particles)
-    with pytest.raises(ValueError, match=r"error of reaction is still 4 % .* 12 particles"):
-        refine(sm.read_seal_file(cord(tmp_path, spacing=0.8)), 0.01, ["reaction"])
-
-
-class Particles:
-    particles = np.zeros((12, 2))
-
-
-def test_all_distances_are_multiplied(tmp_path):
-    path = cord(tmp_path, spacing=0.8)
-    path.write_text(
-        path.read_text().replace("spacing = 0.8", "spacing = 0.8\nedge_spacing = { side = 0.4 }")
+    assert spacings == [0.8, 0.36]
+    assert found.worst.name == "reaction"
+    # 16 % and 4 % for 8 %: 0.9 * 0.8 mm * sqrt(1/2), the width now decides
+    spacings, found = tried_spacings(
+        accurate(tmp_path, '{ reaction = "4 %", contact_width = "8 %" }')
     )
-    section = with_factor(sm.read_seal_file(path), 0.51).section
+    assert spacings == [0.8, 0.509]
+    assert found.worst.name == "contact_width"
+
+
+def test_the_particles_get_what_steps_and_penalties_leave(monkeypatch, tmp_path):
+    """Of 1 % the steps take 0.5 %, so the particles have to be below that."""
+    errors_by(
+        monkeypatch, lambda spacing: {"reaction": estimate(0.04 * (spacing / 0.8) ** 2, 0.005)}
+    )
+    spacings, found = tried_spacings(accurate(tmp_path))
+    # 0.9 * 0.8 mm * sqrt(0.5 / 4)
+    assert spacings == [0.8, 0.255]
+    assert found.worst.error <= 0.01
+
+
+def test_given_steps_with_too_large_errors_are_refused(monkeypatch, tmp_path):
+    errors_by(monkeypatch, lambda spacing: {"reaction": estimate(1e-4, 0.02)})
+    with pytest.raises(ValueError, match=r"load steps and penalties of the file alone .* 1\.00%"):
+        refine(sm.read_seal_file(accurate(tmp_path)))
+
+
+def test_tolerances_of_steps_and_penalties(tmp_path):
+    """Those that the file leaves open; given steps stay, and so do smaller tolerances."""
+    path = accurate(tmp_path)
+    file = sm.read_seal_file(path)
+    assert file.penalty_tolerance == pytest.approx(5e-4)
+    assert file.step_tolerance is None
+    text = path.read_text().replace(", steps = 16", "")
+    path.write_text(text)
+    assert sm.read_seal_file(path).step_tolerance == pytest.approx(0.0025)
+    path.write_text(text + "[steps]\ntolerance = 0.001\n")
+    assert sm.read_seal_file(path).step_tolerance == 0.001
+    path.write_text(text.replace("1 %", "10 %"))
+    assert sm.read_seal_file(path).step_tolerance == 0.005
+
+
+def test_a_measure_that_does_not_converge_ends_the_choice(monkeypatch, tmp_path):
+    """As a stress at a sharp corner: after the second cloud, not after five."""
+    errors_by(monkeypatch, lambda spacing: {"reaction": estimate(0.04 * (spacing / 0.8) ** 0.4)})
+    tried = []
+    with pytest.raises(ValueError, match=r"does not decrease .*: 4\.00% with 0\.8 mm, 2\.91% with"):
+        refine(sm.read_seal_file(accurate(tmp_path)), tried.append)
+    assert len(tried) == 2
+
+
+def test_slower_convergence_ends(monkeypatch, tmp_path):
+    errors_by(monkeypatch, lambda spacing: {"reaction": estimate(0.2 * (spacing / 0.8) ** 0.6)})
+    with pytest.raises(ValueError, match=r"numerical error of reaction is still .* 12 particles"):
+        refine(sm.read_seal_file(accurate(tmp_path)))
+
+
+def test_all_distances_are_multiplied():
+    filling = {"spacing": 0.8, "layers": 3, "edge_spacing": {"side": 0.4}}
     # 2 cells across a wall become 4
-    assert (section.spacing, section.layers, section.edge_spacing) == (0.408, 5, {"side": 0.204})
+    assert with_factor(filling, 0.51) == {
+        "spacing": 0.408, "layers": 5, "edge_spacing": {"side": 0.204}
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    ("names", "text"),
+    ("old", "new", "text"),
     [
-        (["force"], "unknown measure 'force'; known are reaction"),
-        ([], "the seal file has no measure whose"),
+        ("reaction =", "force =", "accuracy = 'force', but there is no such measure"),
+        ('"1 %"', "1.0", "a percentage above 0 and at most 50"),
+        ('"1 %"', '"60 %"', "a percentage above 0 and at most 50"),
+        ('"1 %"', '"1"', "a percentage above 0 and at most 50"),
+        ("spacing = 0.8", 'cloud = "a.vtu"', "accuracy can only be combined with spacing"),
+        ("spacing = 0.8", "rays = { rays = 8, layers = 4 }", "accuracy can only be combined with"),
+        (r"\[\[measure\]\][^[]*", "", "the file has none; add a \\[\\[measure\\]\\]"),
     ],
 )
-def test_wrong_names(names, text, tmp_path):
-    with pytest.raises(ValueError, match=text):
-        refine(sm.read_seal_file(cord(tmp_path)), 0.01, names)
+def test_wrong_keys(old, new, text, tmp_path):
+    path = accurate(tmp_path)
+    path.write_text(re.sub(old, new, path.read_text()))
+    with pytest.raises(sm.SealFileError, match=text):
+        sm.read_seal_file(path)
 
 
-def test_nothing_to_estimate():
-    none = ErrorEstimate(np.ones(1), None, None, np.zeros(1), 1.0, "the path ends early")
-    with pytest.raises(
-        ValueError, match="error of the results cannot be estimated: the path ends early"
-    ):
-        Cloud(None, None, {"reaction": none}).worst(["reaction"])
+def test_start_without_spacing(tmp_path):
+    """A twelfth of the smaller extent, 3 mm; of the layers and edges that are given."""
+    path = accurate(tmp_path, spacing="layers = 5")
+    assert sm.read_seal_file(path).section.filling == {
+        "spacing": 0.25, "layers": 5, "edge_spacing": {}
+    }  # fmt: skip
+
+
+def test_measures_without_estimate(tmp_path):
+    """One that the file names ends the choice, of all together it is left out."""
+    none = ErrorEstimate(np.ones(1), None, np.zeros(1), np.zeros(1), 1.0, "the path ends early")
+    estimates = {"reaction": estimate(0.001), "contact_width": none}
+    estimates |= dict.fromkeys(("stress_norm", "gap_square_sum"), none)
+    named = sm.read_seal_file(accurate(tmp_path, '{ contact_width = "1 %" }'))
+    with pytest.raises(ValueError, match="error of contact_width cannot be estimated: the path"):
+        Cloud(named, None, estimates).worst  # noqa: B018
+    every = Cloud(sm.read_seal_file(accurate(tmp_path, '"1 %"')), None, estimates)
+    assert every.worst.name == "reaction"
+    assert list(every.not_estimated) == ["contact_width", "stress_norm", "gap_square_sum"]
+
+
+def test_creases_are_refused_before_the_estimate(monkeypatch, tmp_path):
+    monkeypatch.setattr(chosen_spacing, "built", lambda file, callback: None)
+    monkeypatch.setattr(chosen_spacing, "analyze", lambda seal, keep_factors, callback: NoResult())
+    monkeypatch.setattr(chosen_spacing, "EvaluationPoints", lambda path: SimpleNamespace())
+    monkeypatch.setattr(chosen_spacing, "creases", lambda samples: "the free surface is compressed")
+    with pytest.raises(ValueError, match="because the free surface is compressed, or give spacing"):
+        refine(sm.read_seal_file(accurate(tmp_path)))
+
+
+@pytest.fixture(scope="module")
+def chosen(tmp_path_factory):
+    """Seal that is built for a reaction within 1 %, with its file and its clouds."""
+    folder, tried = tmp_path_factory.mktemp("chosen"), []
+    path = accurate(folder, spacing="spacing = 0.6")
+    file, seal = file_and_seal(sm.read_seal_file(path), report=tried.append)
+    return file, seal, tried, analyze(seal)
+
+
+def test_the_choice_is_fixed(chosen):
+    """The analysis of the last cloud is that of the seal, and what was chosen gives the same bits
+    without another choice, in recorder files, too."""
+    file, seal, tried, result = chosen
+    assert len(tried) >= 2
+    assert result.path is tried[-1].result.path or np.array_equal(
+        result.displacement(), tried[-1].result.displacement()
+    )
+    found = chosen_for(file, seal)
+    assert found["filling"] == tried[-1].file.section.filling
+    for other in (sm.build_seal(file.path, **found), seal_of(seal.settings())):
+        assert analyze(other).value("reaction")[0] == result.value("reaction")[0]
+
+
+def test_within_the_admissible_error(chosen):
+    """Of a cloud of half the spacing, whose own error is a quarter."""
+    file, seal, _, result = chosen
+    half = {"filling": with_factor(file.section.filling, 0.5)}
+    finer = analyze(sm.build_seal(file.path, **(chosen_for(file, seal) | half)))
+    force, best = (own.value("reaction")[0] for own in (result, finer))
+    assert abs(force - best) <= 0.01 * best
+
+
+def test_wrong_filling(chosen, tmp_path):
+    file, seal, _, _ = chosen
+    found = chosen_for(file, seal)
+    with pytest.raises(sm.SealFileError, match=r"\[section\] has no accuracy; leave it out"):
+        sm.build_seal(cord(tmp_path), filling=found["filling"])
+    with pytest.raises(sm.SealFileError, match="with spacing, layers and edge_spacing"):
+        sm.build_seal(file.path, filling={"spacing": 0.3})
+    with pytest.raises(sm.SealFileError, match="give filling, too"):
+        sm.build_seal(file.path, step_ends=[1.0])
 
 
 def test_command(tmp_path, capsys):
-    """A force within 0.5 %, and a file with the spacing that has it."""
+    """A force within 1 %, and a file with the spacing that has it."""
     path, out = cord(tmp_path, spacing=0.6), tmp_path / "out"
-    given = ["refine", str(path), "--to", "0.5 %", "--measures", "reaction", "--out", str(out)]
+    given = ["refine", str(path), "--to", "1 %", "--measures", "reaction", "--out", str(out)]
     assert main(given) == 0
     text = capsys.readouterr().out
     clouds = json.loads((out / "summary.json").read_text())["clouds"]
     assert len(clouds) >= 2
     last = clouds[-1]["errors"]["reaction"]
-    assert last["bar"] <= 0.005 * last["value"] < clouds[0]["errors"]["reaction"]["bar"]
+    assert last["bar"] <= 0.01 * last["value"] < clouds[0]["errors"]["reaction"]["bar"]
     assert f"{clouds[-1]['n_particles']} particles" in text
     # other lines are unchanged, and the new file gives the new cloud
     written = (out / path.name).read_text()
     assert tomllib.loads(written)["profile"] == tomllib.loads(path.read_text())["profile"]
     again = analyze(sm.build_seal(sm.read_seal_file(out / path.name)))
     assert len(again.particles) == clouds[-1]["n_particles"]
-    # within the tolerance of a cloud of half its spacing
-    finer = with_factor(sm.read_seal_file(out / path.name), 0.5)
-    best = float(analyze(sm.build_seal(finer)).value("reaction")[0])
-    assert abs(last["value"] - best) <= 0.005 * best
+    assert again.value("reaction")[0] == last["value"]
     assert (out / "errors.png").stat().st_size
     assert (out / "section.png").stat().st_size
 
@@ -133,3 +282,54 @@ def test_wrong_arguments(arguments, text, tmp_path, monkeypatch, capsys):
         main(["refine", str(cord(tmp_path)), *arguments])
     assert ended.value.code == 2
     assert text in capsys.readouterr().err
+
+
+def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys):
+    """They are known without ``--errors``, and the choice is in the summary."""
+    path, out = accurate(tmp_path, '{ reaction = "3 %" }', "spacing = 0.6"), tmp_path / "out"
+    assert main(["analyze", str(path), "--no-vtu", "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "particles chosen for accuracy: spacing = 0.6, layers = 3" in text
+    assert "estimated errors (computed minus exact value)" in text
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["filling"] == {"spacing": 0.6, "layers": 3, "edge_spacing": {}}
+    assert (
+        summary["measures"]["reaction"]["error_bar"]
+        <= 0.03 * summary["errors"]["reaction"]["value"]
+    )
+
+
+def test_written_tolerances(tmp_path):
+    """Those of the choice are in the new file, in place of larger ones."""
+    path = accurate(tmp_path, spacing='edge_spacing = { "side" = 0.2 }')
+    text = path.read_text().replace(", steps = 16", "").replace("tangent_penalty = 1000000.0\n", "")
+    path.write_text(text + "[steps]\n# fewer\ntolerance = 0.02\n")
+    file = sm.read_seal_file(path)
+    written = tomllib.loads(refined_text(file, tmp_path / "out"))
+    assert written["steps"] == {"tolerance": 0.0025}
+    assert written["penalties"] == {"tolerance": 0.0005}
+    given = tomllib.loads(text)
+    section = {"spacing": 0.25, "layers": 3, "edge_spacing": {"side": 0.2}}
+    del given["section"]["accuracy"]
+    assert written["section"] == given["section"] | section
+    path.write_text(path.read_text().replace("accuracy = {", "'accuracy' = {"))
+    with pytest.raises(ValueError, match="must be on lines of their own"):
+        refined_text(sm.read_seal_file(path), tmp_path / "out")
+
+
+def test_sweeps_choose_once(tmp_path, monkeypatch, capsys):
+    """A number of the file varies with the particles of the file; its spacing cannot vary."""
+    path, clouds = accurate(tmp_path, '{ reaction = "30 %" }', "spacing = 0.6"), []
+    real = chosen_spacing.estimate_errors
+
+    def counted(file, *others):
+        clouds.append(file.section.spacing)
+        return real(file, *others)
+
+    monkeypatch.setattr(chosen_spacing, "estimate_errors", counted)
+    given = ["sweep", str(path), "--out", str(tmp_path / "out"), "--vary"]
+    assert main([*given, "material.rubber.c10", "500,600"]) == 0
+    assert clouds == [0.6]
+    with pytest.raises(SystemExit):
+        main([*given, "section.spacing", "0.5,0.6"])
+    assert "section.spacing cannot be varied" in capsys.readouterr().err

@@ -24,8 +24,8 @@ from verification.contact_profiles import (
     uncertainty,
 )
 
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.door.door_seal import door_seal, options_of
-from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import analyze
 from seal_mdao.terms.points import CONTACT_POINTS

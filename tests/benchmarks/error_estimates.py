@@ -21,7 +21,8 @@ from seal_mdao.accuracy.error_estimate import (
 from seal_mdao.accuracy.prolongation import Prolongation
 from seal_mdao.accuracy.refined_file import refined_file
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.seals.file.build import build_seal, unchosen_seal
+from seal_mdao.file_seal import build_seal
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.penalty_error import scale_of, standard_measures
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.seals.file.build import build_seal, unchosen_seal
+from seal_mdao.file_seal import build_seal
+from seal_mdao.seals.file.build import unchosen_seal
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = BULB

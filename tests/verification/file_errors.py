@@ -7,10 +7,10 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
 from seal_mdao.contact.rigid_contact import RigidContact
+from seal_mdao.file_seal import build_seal
 from seal_mdao.measures.singular_points import singular_points
 from seal_mdao.rkpm.cells import kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
-from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import Kernels

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.contours import Arc, Contour, Outline
 from seal_mdao.seals.profiles import profile_histories

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.profiles import leading_motion, profile_histories
 from seal_mdao.seals.result import analyze

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.door.door_seal import door_seal
-from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.load_steps import one_step_each
 from seal_mdao.seals.file.read import read_seal_file

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from seal_mdao.contact.rigid_contact import RigidContact
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import analyze
 from verification.file_errors import (

@@ -11,7 +11,7 @@ from scipy.special import erf
 import seal_mdao as sm
 from seal_mdao.calibration.data import material_tests
 from seal_mdao.calibration.softening_fit import fit_softening
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.profiles import profile_histories
 from verification.relaxing import PLANE_STRAIN, UNIAXIAL, Rubber, balanced, isochoric_stress

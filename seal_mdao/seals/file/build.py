@@ -2,16 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from seal_mdao import values
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
-from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.outline.contours import Outline, sampled
 from seal_mdao.seals.outline.moved import shifted_outline
 from seal_mdao.seals.outline.outline_seal import BodyModel, OutlineSeal, outline_seal
@@ -21,55 +17,6 @@ from seal_mdao.seals.outline.section_cloud import LAYERS, Kernels, OutlineCloud,
 from seal_mdao.seals.steps_and_penalties import choose
 
 
-def build_seal(
-    file: SealFile | str | Path,
-    callback: Callable | None = None,
-    step_ends: Sequence[float] | None = None,
-    penalties: Mapping[str, float] | None = None,
-    unchosen: OutlineSeal | None = None,
-) -> OutlineSeal:
-    """Build the seal of a file: its cloud, terms, design and measures.
-
-    Parameters of a profile have its name before theirs: ``door_friction``; so have constants of the
-    materials where there are several: ``foot_c10``.
-
-    Load steps and contact penalties that the file does not give are chosen now, by analyses of the
-    nominal seal (``seals.steps_and_penalties``), and are the seal's own from then on, whatever its
-    design. The last of these analyses is that of the seal itself: the first ``analyze(seal)``
-    returns it.
-
-    Parameters
-    ----------
-    file : SealFile, str or Path
-        What ``read_seal_file`` returns, or the path that it takes.
-    callback : callable, optional
-        As of ``seals.steps_and_penalties.choose``, for these analyses.
-    step_ends : sequence of float, optional
-        Ends of load steps that have been chosen before, in stages, in place of a choice.
-    penalties : mapping of str to float, optional
-        Penalties that have been chosen before, by the names of their parameters, kPa/mm.
-    unchosen : OutlineSeal, optional
-        ``unchosen_seal(file)`` where it is at hand, so that the section is not filled again.
-
-    Raises
-    ------
-    SealFileError
-        For a section that cannot be filled at this spacing, a design with too few parameters, load
-        steps that are not found within the tolerance, or ends of steps or penalties that are not those
-        of the file; for a path, whatever ``read_seal_file`` refuses.
-    LoadPathError
-        When load steps or penalties are to be chosen and the path of the nominal seal cannot be
-        completed; its ``result`` is as far as it came.
-    TypeError
-        For anything else than a ``SealFile`` or a path.
-    """
-    if isinstance(file, str | Path):
-        file = read_seal_file(file)
-    values.instance("file", file, SealFile)
-    seal = built(file, callback, step_ends, penalties, unchosen)
-    return seal.made_from(description(file, seal))
-
-
 def built(
     file: SealFile,
     callback: Callable | None = None,
@@ -77,7 +24,8 @@ def built(
     penalties: Mapping[str, float] | None = None,
     unchosen: OutlineSeal | None = None,
 ) -> OutlineSeal:
-    """Build the seal of a file that was read, as ``build_seal``, without its description."""
+    """Build the seal of a file that was read and whose particles are given or chosen, as
+    ``file_seal.build_seal``, without its description."""
     seal = unchosen_seal(file) if unchosen is None else unchosen
     tolerance, names = file.step_tolerance, file.open_penalties
     try:

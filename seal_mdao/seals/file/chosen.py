@@ -1,4 +1,5 @@
-"""Load steps and penalties that were chosen for the seal of a file, for recorders and designs."""
+"""What was chosen for the seal of a file: particles, load steps and penalties, for recorders and
+designs."""
 
 import numpy as np
 
@@ -16,10 +17,13 @@ def chosen_for(file: SealFile, seal: Seal) -> dict:
     Returns
     -------
     dict
-        ``step_ends``, in stages, and ``penalties``, kPa/mm by parameter; each where it was open.
+        ``filling``, lengths in mm, ``step_ends``, in stages, and ``penalties``, kPa/mm by parameter;
+        each where it was open.
     """
     # only what the file leaves open
     found = {}
+    if file.section.chosen:
+        found["filling"] = file.section.filling
     if file.step_tolerance is not None:
         found["step_ends"] = chosen_ends(seal)
     if file.open_penalties:

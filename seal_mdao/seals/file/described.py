@@ -27,6 +27,13 @@ def note_contents(file: SealFile) -> None:
     file.__dict__[CONTENTS] = _contents(file.path)
 
 
+def keep_contents(file: SealFile, read: SealFile) -> SealFile:
+    """Attach the contents of the file that was read to a changed one; return the latter."""
+    if CONTENTS in read.__dict__:
+        file.__dict__[CONTENTS] = read.__dict__[CONTENTS]
+    return file
+
+
 def _contents(path: Path) -> dict:
     """Return the text of a file and the packed contents of those beside it, under short names.
 

@@ -23,7 +23,7 @@ HEAD = """# A design of {name} with the particles that it was computed with; for
 # in place of cloud.
 """
 DRAWN = (
-    "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "layers",
+    "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "accuracy", "layers",
     "edge_spacing", "quadrature", "rays", "cloud",
 )  # fmt: skip
 """Keys of a section that the drawing and the cloud replace."""

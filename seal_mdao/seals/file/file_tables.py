@@ -139,8 +139,18 @@ class SealFile:
 
     @property
     def leaves_open(self) -> bool:
-        """Whether the file does not give all load steps and penalties, so that they are chosen."""
-        return self.step_tolerance is not None or bool(self.open_penalties)
+        """Whether the file does not give all of particles, load steps and penalties, so that they are
+        chosen."""
+        return (
+            self.step_tolerance is not None
+            or bool(self.open_penalties)
+            or self.section.accuracy is not None
+        )
+
+    @property
+    def leaves_particles_open(self) -> bool:
+        """Whether the particles have still to be chosen for an accuracy."""
+        return self.section.accuracy is not None and not self.section.chosen
 
     @property
     def n_steps(self) -> int:

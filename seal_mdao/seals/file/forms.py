@@ -136,3 +136,23 @@ Distances = Annotated[
     Form("names with numbers above 0 (mm), such as { lip = 0.03 }"),
 ]
 Penalty = number("kPa/mm", above=0.0, most=1e12)
+
+
+def _fraction(text: str) -> float:
+    # "1 %" -> 0.01
+    value = float(text.strip().removesuffix("%")) / 100.0
+    if not 0.0 < value <= 0.5:
+        raise ValueError
+    return value
+
+
+_PERCENTAGE = 'a percentage above 0 and at most 50, such as "1 %"'
+_Percentage = Annotated[
+    str, Strict(), StringConstraints(pattern=r"^\s*(\d+\.?\d*|\.\d+)\s*%\s*$"),
+    AfterValidator(_fraction), Form(_PERCENTAGE),
+]  # fmt: skip
+Percentages = Annotated[
+    _Percentage | Annotated[dict[str, _Percentage], Field(min_length=1)],
+    Form(f'{_PERCENTAGE}, or a table of such percentages, such as {{ reaction = "1 %" }}'),
+]
+"""A fraction in (0, 0.5], or fractions by names."""

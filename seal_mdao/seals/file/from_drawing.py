@@ -16,6 +16,7 @@ from seal_mdao.seals.outline.dxf import (
     read_drawing,
     write_dxf,
 )
+from seal_mdao.seals.outline.sizes import start_spacing
 
 SQUEEZE = 0.2
 """Travel of the plate after first contact, as a fraction of the height of the drawing."""
@@ -139,7 +140,7 @@ def from_drawing(
         materials="".join(MATERIAL.format(name=own) for own, _ in (rest, *others)),
         keys=_keys(units, parting, ignore), file=_quoted(path.name),
         regions="".join(REGION.format(name=own, x=at[0], y=at[1]) for own, at in others),
-        spacing=min(width, height) / 12.0, lowest=_quoted(lowest),
+        spacing=start_spacing((width, height)), lowest=_quoted(lowest),
         contact=", ".join(map(_quoted, touched)),
         left=low[0] - 3.0 * width, right=high[0] + 3.0 * width,
         clearance=CLEARANCE * height, percent=100.0 * CLEARANCE, squeeze=100.0 * SQUEEZE,

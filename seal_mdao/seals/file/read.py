@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
+from seal_mdao.seals.file.accuracy import with_tolerances
 from seal_mdao.seals.file.clearance import nearest_free_edges
 from seal_mdao.seals.file.consistency import check
 from seal_mdao.seals.file.described import note_contents
@@ -146,7 +147,7 @@ def _decided(written: Written, path: Path) -> SealFile:
         step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
         written.model, written.material,
     )  # fmt: skip
-    return replace(file, profiles=_with_contact(file))
+    return with_tolerances(replace(file, profiles=_with_contact(file)))
 
 
 def _check_profile_names(profiles) -> None:

@@ -10,7 +10,17 @@ import numpy as np
 from pydantic import AfterValidator, model_validator
 
 from seal_mdao.errors import GeometryError, SealFileError
-from seal_mdao.seals.file.forms import Distances, Point, Points, Text, many, number, one_of, whole
+from seal_mdao.seals.file.forms import (
+    Distances,
+    Percentages,
+    Point,
+    Points,
+    Text,
+    many,
+    number,
+    one_of,
+    whole,
+)
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
 from seal_mdao.seals.outline.cloud_file import read_cloud
@@ -21,7 +31,7 @@ from seal_mdao.seals.outline.parting import check_uncrossed, trimmed
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
-from seal_mdao.seals.outline.sizes import unusual_size
+from seal_mdao.seals.outline.sizes import start_spacing, unusual_size
 from seal_mdao.seals.wall_grid import WALL_SCHEMES
 
 LEAST_LAYERS = {name: own.basis_order + 1 for name, own in WALL_SCHEMES.items()}
@@ -109,6 +119,11 @@ class WrittenSection(Table):
     spacing: number("mm", above=0.0) | None = key(
         "largest distance of neighbouring particles; it is smaller in thin walls", None
     )
+    accuracy: Percentages | None = key(
+        "largest admissible estimated error of all measures or of named ones; spacing, layers, "
+        "edge_spacing, and open load steps and penalties are chosen for it, starting from those given",
+        None,
+    )
     layers: whole(3, MOST_LAYERS) | None = key(
         f"with spacing: least number of particles across a wall, default {LAYERS}", None
     )
@@ -171,30 +186,37 @@ class WrittenSection(Table):
 
     @model_validator(mode="after")
     def _one_filling(self):
-        # spacing, rays or cloud; layers are those of a spacing
+        # spacing, rays or cloud; layers are those of a spacing, which accuracy may leave out
         given = [name for name in FILLINGS if getattr(self, name) is not None]
-        if len(given) != 1:
+        chosen = self.accuracy is not None
+        if len(given) != 1 and not (chosen and not given):
             raise ValueError(
                 "the section needs exactly one of the keys spacing (largest distance of particles in "
                 "mm), rays (radial rows) and cloud (mesh file), but has "
                 + (" and ".join(given) or "none of them")
+            )
+        if chosen and given not in ([], ["spacing"]):
+            raise ValueError(
+                f"the key accuracy can only be combined with spacing, but the section has {given[0]}; "
+                f"leave out either accuracy or {given[0]}"
             )
         if self.rays is not None and self.region is not None:
             raise ValueError(
                 "[[section.region]] cannot be combined with radial rows of particles (rays); use "
                 "spacing instead"
             )
-        if self.layers is not None and self.spacing is None:
+        spaced = chosen or self.spacing is not None
+        if self.layers is not None and not spaced:
             raise ValueError(
                 "the key layers can only be combined with spacing; rays and cloud define their own "
                 "layers, so leave out layers"
             )
-        if self.edge_spacing is not None and self.spacing is None:
+        if self.edge_spacing is not None and not spaced:
             raise ValueError(
                 "the key edge_spacing can only be combined with spacing; rays and cloud define "
                 "their own particles, so leave out edge_spacing"
             )
-        if self.quadrature is not None and self.spacing is None:
+        if self.quadrature is not None and not spaced:
             raise ValueError(
                 "the key quadrature can only be combined with spacing; rays (accuracy) and cloud "
                 "define their own quadrature, so leave out quadrature"
@@ -235,6 +257,8 @@ class WrittenSection(Table):
             raise SealFileError(f"[section]: {error}") from None
         # the largest distance of particles, the rays that they lie on, or they themselves
         filling = self.spacing
+        if self.accuracy is not None and filling is None:
+            filling = float(f"{start_spacing(np.ptp(outline.box, axis=0)):.3g}")
         if self.rays is not None:
             filling = Rays(**asdict(self.rays))
         elif self.cloud is not None:
@@ -245,7 +269,7 @@ class WrittenSection(Table):
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, tuple(regions), layers,
             drawing.parting, drawing.notice, self.edge_spacing or {},
-            self.quadrature or Kernels.n_gauss, tuple(lines),
+            self.quadrature or Kernels.n_gauss, tuple(lines), self.accuracy,
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -293,6 +317,12 @@ class SectionTable:
         Gauss points along each direction of a cell, where a spacing fills the section.
     region_lines : tuple of tuple of ndarray, shape (k, 2)
         Parts of the line of every region that lie in the section, mm.
+    accuracy : float, dict of str to float, or None
+        Largest relative errors of all measures, or of measures by their names, for which the particles
+        are chosen; None where they are given.
+    chosen : bool
+        Whether they have been chosen (``seals.file.accuracy.with_filling``); until then spacing,
+        layers and edge spacing are those to start with.
     """
 
     outline: Outline
@@ -307,6 +337,15 @@ class SectionTable:
     edge_spacing: dict[str, float] = field(default_factory=dict)
     quadrature: int = Kernels.n_gauss
     region_lines: tuple = ()
+    accuracy: float | dict[str, float] | None = None
+    chosen: bool = False
+
+    @property
+    def filling(self) -> dict:
+        """Spacing, layers and edge spacing, as ``seals.file.accuracy.with_filling`` takes them."""
+        return {
+            "spacing": self.spacing, "layers": self.layers, "edge_spacing": dict(self.edge_spacing)
+        }  # fmt: skip
 
     @property
     def cuts(self) -> list:

@@ -1,7 +1,17 @@
-"""Sizes of sections that indicate a wrong unit of length."""
+"""Sizes of sections: a spacing to start with, and sizes that indicate a wrong unit of length."""
 
 USUAL = (0.5, 300.0)
 """Least and largest extent of the section of a seal, mm."""
+
+
+ACROSS = 12
+"""Particles across the smaller extent of a section, of which a choice of the spacing starts."""
+
+
+def start_spacing(extent) -> float:
+    """Choose a spacing of particles to start with, mm, by the width and height of the section, mm."""
+    # h = min(w, h) / 12
+    return min(extent) / ACROSS
 
 
 def unusual_size(extent) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from seal_mdao.accuracy.error_estimate import estimate_errors
 from seal_mdao.equilibrium.threads import one_blas_thread
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.result import analyze
 
 from .rungs import RUNGS, Rung, values_of

@@ -9,7 +9,7 @@ from time import process_time
 import numpy as np
 
 from seal_mdao.export.csv_tables import reaction_tables
-from seal_mdao.seals.file.build import build_seal
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.profiles import leading_motion

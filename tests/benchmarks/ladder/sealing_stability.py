@@ -12,9 +12,9 @@ import numpy as np
 
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.creases import CREASES
 from seal_mdao.seals.evaluation_points import EvaluationPoints
-from seal_mdao.seals.file.build import build_seal
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.instabilities import instabilities
 from seal_mdao.seals.result import analyze
