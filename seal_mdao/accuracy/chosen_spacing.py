@@ -102,7 +102,8 @@ class Cloud:
             reasons = "; ".join(dict.fromkeys(missing.values()))
             raise ValueError(
                 f"the numerical error of {', '.join(missing)} cannot be estimated: {reasons}; name "
-                'other measures in accuracy of [section], such as accuracy = { reaction = "1 %" }, or give spacing without accuracy'
+                'other measures in accuracy of [section], such as accuracy = { reaction = "1 %" }, or '
+                "give spacing without accuracy"
             )
         return max(found, key=lambda own: own.error / own.admissible)
 
@@ -205,8 +206,8 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
     order = math.log(error / worst.particles) / math.log(spacings[0] / spacings[1])
     if order < LEAST_ORDER:
         raise ValueError(
-            f"the estimated numerical error of {worst.name} does not decrease with the spacing: {error:.2%} "
-            f"with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; values at sharp "
+            f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
+            f"{error:.2%} with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; values at sharp "
             "corners and at ends of fixed edges have no limit (away_from_singular of [[measure]]); "
             "name other measures in accuracy"
         )
