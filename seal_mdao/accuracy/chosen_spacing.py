@@ -207,9 +207,9 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
     if order < LEAST_ORDER:
         raise ValueError(
             f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
-            f"{error:.2%} with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; values at sharp "
-            "corners and at ends of fixed edges have no limit (away_from_singular of [[measure]]); "
-            "name other measures in accuracy"
+            f"{error:.2%} with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; "
+            "values at sharp corners and at ends of fixed edges have no limit (away_from_singular of "
+            "[[measure]]); name other measures in accuracy"
         )
 
 
