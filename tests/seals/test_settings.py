@@ -65,7 +65,7 @@ def test_choice_that_is_missing_is_not_made_anew():
     seal = sm.read_seal_file(file)
     assert seal.leaves_open
     settings = {"seal_file": file.read_text(encoding="utf-8"), "beside": {}, "chosen": {}}
-    with pytest.raises(ValueError, match="lacks the load steps or contact penalties"):
+    with pytest.raises(ValueError, match="lacks the particles, load steps or contact penalties"):
         seal_of(json.dumps(settings))
 
 
@@ -119,7 +119,7 @@ def packed(content):
     ({"beside": {"../out.dxf": packed(b"")}}, "the recorded file name .* is not valid"),
     ({"beside": {"out.dxf": "!"}}, "the recorded seal file is not valid in this version"),
     ({"beside": {"out.dxf": packed(bytes(51 * 2**20))}}, "is larger than"),
-    ({"chosen": {"step_ends": [1.0]}}, "lacks the load steps or contact penalties"),
+    ({"chosen": {"step_ends": [1.0]}}, "lacks the particles, load steps or contact penalties"),
     ({"chosen": {"callback": "print"}}, "the recorded seal file is not valid in this version"),
     ({"parameters": {"nothing": 1.0}}, "the seal has no parameter"),
     ({"clearances": 3}, "not those of a seal"),
