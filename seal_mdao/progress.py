@@ -95,7 +95,7 @@ class LoadStepProgress:
         # start of the first announced analysis, load steps of those announced
         self._begun, self._steps_before = self._printed, 0
         # shape functions are made before the first load step
-        self._before = Waiting(f"{label}: making shape functions")
+        self._before = Waiting(f"{label}: computing shape functions")
 
     def __call__(self, step: ConvergedStep) -> None:
         """Advance the bar by one completed load step."""

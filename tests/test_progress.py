@@ -79,7 +79,7 @@ def test_lines_before_the_first_load_step(monkeypatch, capsys):
         said = capsys.readouterr().err
         time.sleep(0.06)
         after = capsys.readouterr().err
-    assert "analysis: making shape functions: 0 s ..." in said
+    assert "analysis: computing shape functions: 0 s ..." in said
     assert "shape functions" not in after
 
 

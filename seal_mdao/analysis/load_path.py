@@ -365,7 +365,7 @@ def _describe(nominal: int, increment: Increment, failed: Solution) -> str:
         term.describe(response, target) for term, response in zip(terms, now.responses, strict=True)
     ]
     return (
-        f"load step {nominal + 1} (path parameter {target:.4f}): {failed.status.value}; relative "
+        f"load step {nominal + 1} (load parameter {target:.4f}): {failed.status.value}; relative "
         f"residual {residuals[-1] if residuals else np.nan:.2e} after {max(len(residuals) - 1, 0)} "
         "iterations" + "".join(f"; {state}" for state in states if state)
     )

@@ -13,14 +13,14 @@ class Status(Enum):
     """Status at the end of a load path or of one Newton solution."""
 
     CONVERGED = "converged"
-    NOT_CONVERGED = "Newton did not converge within the allowed iterations"
+    NOT_CONVERGED = "Newton's method did not converge within the allowed iterations"
     CYCLED = "Newton's iterations return to the same states again and again"
     DIVERGED = "the residual is not a finite number"
     INVERTED = "a quadrature point is inverted (det F <= 0)"
     SINGULAR = "the tangent is singular"
-    MOVED_OFF = "the body moves away without reaching equilibrium"
-    UNSTABLE = "equilibrium is not stable"
-    JUMPED = "the body moved much farther than predicted"
+    MOVED_OFF = "the seal moves away without reaching equilibrium"
+    UNSTABLE = "the equilibrium is not stable"
+    JUMPED = "the seal moved much farther than predicted"
     GAINED = "the equilibrium stores more energy than the loading supplies"
 
 

@@ -45,8 +45,8 @@ def ending(status: Status, options: NewtonOptions) -> str:
         return ""
     if status is Status.MOVED_OFF:
         return (
-            "Damped motion (pseudo-time) moves the body away without limit: no constraint or "
-            "contact stops it"
+            "Damped motion (pseudo-time) moves the seal away without limit, because no constraint "
+            "or contact stops it"
         )
     if status is Status.NOT_CONVERGED:
         return (

@@ -310,7 +310,10 @@ def report(result: SealResult, summary: dict) -> None:
         f"{summary['wall_s']:.2f} s"
     )
     if summary["conditions"]:
-        print(f"conditions at the end of the path: {conditions_text(summary['conditions'])}")
+        print(
+            "prescribed conditions at the end of the analysis: "
+            f"{conditions_text(summary['conditions'])}"
+        )
     units = result.seal.units
     if units.radius:
         print(f"N/mm: N {units.along}")
@@ -320,10 +323,11 @@ def report(result: SealResult, summary: dict) -> None:
             across, up = end[f"force_{units.force_key}"]
             around = "{:.4g}, {:.4g} N/mm, ".format(*end["force_N_per_mm"]) if units.radius else ""
             print(
-                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), {around}"
-                f"{end['deformed_contact_width_mm']:.2f} mm in contact (nominal "
-                f"{end['nominal_contact_width_mm']:.2f}), up to {end['true_peak_pressure_kPa']:.1f} kPa "
-                f"(nominal {end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
+                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), "
+                f"{around}{end['deformed_contact_width_mm']:.2f} mm contact width (undeformed "
+                f"{end['nominal_contact_width_mm']:.2f}), peak contact pressure "
+                f"{end['true_peak_pressure_kPa']:.1f} kPa (nominal "
+                f"{end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
                 f"{end['largest_gap_mm']:.4f} mm"
             )
     if summary.get("part"):
@@ -356,8 +360,8 @@ def stress_line(summary: dict) -> str:
     if where is None:
         return text
     text += (
-        f": {where}, where stress is singular and grows under refinement (away_from_singular of "
-        "von_mises leaves it out)"
+        f": {where}, where the exact stress is infinite and the computed stress grows with "
+        "refinement (away_from_singular of von_mises excludes this point)"
     )
     if summary["largest_von_mises_elsewhere_kPa"] is not None:
         text += (
@@ -377,7 +381,8 @@ def arguments_parser():
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
         "--vtu", action=argparse.BooleanOptionalAction, default=None,
-        help="VTU series for ParaView; default: written if meshio is installed",
+        help="write VTU files of all load steps for ParaView; default: written if meshio is "
+        "installed",
     )  # fmt: skip
     made.add_argument(
         "--errors", action="store_true",
@@ -387,6 +392,6 @@ def arguments_parser():
     made.add_argument(
         "--abaqus",
         action="store_true",
-        help="write seal.inp, an Abaqus input file with section, contact and motion",
+        help="write seal.inp, an input file for Abaqus/Standard with section, contact and motion",
     )
     return made

@@ -132,19 +132,19 @@ def report(found: RelaxationFit, table: str, out: Path) -> None:
         "(every decade of time has the same weight)"
     )
     if found.tests.unused:
-        print(f"{found.tests.unused} readings before the end of the loading are left out")
+        print(f"{found.tests.unused} readings before the end of the loading ramp are left out")
     if found.shift is not None and shares_no_force(found):
         print(
-            "WARNING: every temperature has a force scale of its own, so the shift is determined "
-            "by the curvature of the curves alone and its standard error may be too small; if one "
-            "specimen was tested at several temperatures, give these curves the same name in the "
-            "column test"
+            "WARNING: the curve of every temperature has its own force scale, so the temperature "
+            "shift is determined by the curvature of the curves alone and its standard error may "
+            "be too small; if one specimen was tested at several temperatures, give these curves "
+            "the same name in the column test"
         )
     if found.shift is not None and found.rms > POOR * found.rms_free:
         print(
-            f"WARNING: the shift law {found.shift.name} does not describe these temperatures: with "
-            "a free shift factor for every temperature the RMS difference is only "
-            f"{100 * found.rms_free:.2g} %"
+            f"WARNING: the law {found.shift.name} does not describe the shift of the relaxation "
+            "times at the tested temperatures: with a free shift factor for every temperature the "
+            f"RMS difference is only {100 * found.rms_free:.2g} %"
         )
     print(
         f"in the last tested decade, up to {found.time_range[1]:.3g} s, the modulus decreases by "

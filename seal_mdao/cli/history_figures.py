@@ -88,16 +88,16 @@ def report_end(history: RecordedOptimization, numbers: dict) -> None:
     # without marks of major iterations, evaluations are counted
     kind = "gradients" if history.major else "evaluations"
     print(
-        f"{len(history.objective) - 1} {kind}: cost at "
-        f"{100 * numbers['objective_ratio']:.4f} % of its start, "
-        f"largest constraint violation {numbers['max_constraint_violation']:.1e}"
+        f"{len(history.objective) - 1} {kind}: objective at {100 * numbers['objective_ratio']:.4f} "
+        "% of its initial value, largest constraint violation "
+        f"{numbers['max_constraint_violation']:.1e}"
     )
     gap = numbers["largest_gap_mm"]
     print(f"largest gap between the contacts {gap['start']:.4f} -> {gap['end']:.4f} mm")
     print(
         f"area {numbers['area_mm2']:.2f} mm2, vertical reaction at "
-        f"{100 * numbers['reaction_ratio']:.1f} % of its start, "
-        f"door radius {numbers['door_radius']:.3f} mm"
+        f"{100 * numbers['reaction_ratio']:.1f} % of its initial value, door radius "
+        f"{numbers['door_radius']:.3f} mm"
     )
 
 

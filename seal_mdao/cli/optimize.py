@@ -208,7 +208,7 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     if largest is None:
         return []
     text = "estimated for the measures of the last design" + (f"; {unknown}" if unknown else "")
-    return [("error by penalties alone", f"{largest[1]:.2%}", text)]
+    return [("numerical error due to contact penalties alone", f"{largest[1]:.2%}", text)]
 
 
 def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[str, dict | None]:
@@ -260,7 +260,7 @@ def arguments_parser():
         "file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]"
     )
     add_optimization_arguments(
-        made, "continue the run of the same FILE recorded in CASES.sql, with its particles, "
-        "load steps, penalties and optimiser; default of --out: the folder of CASES.sql",
+        made, "continue the optimisation of the same FILE recorded in CASES.sql, with its "
+        "particles, load steps, penalties and optimiser; default of --out: the folder of CASES.sql",
     )  # fmt: skip
     return made

@@ -131,15 +131,15 @@ def chosen_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
     if file.section.chosen:
         lines.append(f"particles chosen for accuracy: {', '.join(filling_lines(file.section))}")
     if file.step_tolerance is not None:
-        within = f"chosen for an error of at most {file.step_tolerance:.2%}"
-        missed = f"whose error exceeds the allowed {file.step_tolerance:.2%}"
+        within = f"chosen for an estimated numerical error of at most {file.step_tolerance:.2%}"
+        missed = f"whose estimated numerical error exceeds the allowed {file.step_tolerance:.2%}"
         lines.append(f"{seal.n_steps} load steps, {missed if seal.step_error else within}")
     # penalties by name, kPa/mm
     penalties = chosen_for(file, seal).get("penalties", {})
     if penalties:
         listed = ", ".join(f"{name} = {value:g}" for name, value in penalties.items())
         lines.append(
-            f"penalties chosen for an error of at most {file.penalty_tolerance:.2%}: {listed} "
-            "kPa/mm"
+            "contact penalties chosen for an estimated numerical error of at most "
+            f"{file.penalty_tolerance:.2%}: {listed} kPa/mm"
         )
     return lines

@@ -67,7 +67,11 @@ class Kink:
         named = "; ".join(self.changes[:NAMED])
         more = len(self.changes) - NAMED
         named += f"; and {more} more" if more > 0 else ""
-        what = f"a kink of contact ({named})" if named else "a kink"
+        what = (
+            f"a design at which contact points just begin to touch, stick or slip ({named})"
+            if named
+            else "a kink"
+        )
         return f"Stationary at {what}, from which no direction improves; {self.optimality}"
 
 

@@ -27,8 +27,11 @@ SUPPORTED = (
     "two_sided_constraints", "linear_constraints", "simultaneous_derivatives",
 )  # fmt: skip
 INTERRUPTED = "Stopped by the user (Ctrl-C); "
-BEST_KEPT = "the best feasible point found is kept"
-LEAST_KEPT = "no feasible point had been found, the least infeasible is kept"
+BEST_KEPT = "the best feasible design found is the result"
+LEAST_KEPT = (
+    "no feasible design was found, so the design with the smallest constraint violation is the "
+    "result"
+)
 
 VIOLATED = "; violated constraints, in driver scaling: {}"
 
@@ -111,16 +114,16 @@ class OptimizerDriver(access.DriverHooks):
         declare("maxiter", default=200, check_valid=count, desc="Maximum number of iterations.")
         declare(
             "disp", default=None, values=[None, True, False],
-            desc="Print a line per iteration; None: where the output is a terminal.",
+            desc="Print one line per iteration; None: only if the output is a terminal.",
         )  # fmt: skip
         declare(
             "max_failures", default=15, check_valid=positive_count,
-            desc="Number of failed analyses after which the run stops; every success cancels one "
-            "failure.",
+            desc="Number of failed analyses after which the optimisation stops; every successful "
+            "analysis cancels one failure.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],
-            desc="Action for zero rows or columns of the first total Jacobian.",
+            desc="Action if the first total Jacobian has zero rows or columns.",
         )  # fmt: skip
         declare(
             "singular_jac_tol", default=1e-16, check_valid=tolerance,
@@ -128,10 +131,9 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "hotstart_file", default=None, allow_none=True, types=(str, Path),
-            desc="Recorder file of an earlier run: at its designs the recorded values and "
-            "derivatives replace runs of the model, so an interrupted run is continued. A "
-            "name without folder is relative to the output folder of the problem, as for "
-            "recorders.",
+            desc="Recorder file of an interrupted optimisation, which is continued: recorded "
+            "values and derivatives replace analyses of the same designs. A name without "
+            "folder is relative to the output folder of the problem, as for recorders.",
         )  # fmt: skip
 
     def run(self) -> bool:
@@ -198,7 +200,7 @@ class OptimizerDriver(access.DriverHooks):
             return ""
         found = Optimality.at(callbacks.evaluator.layout, best.x, best.constraints, *totals)
         if found.satisfied(*tolerances):
-            return f"No better point was found; {found}"
+            return f"No better design was found; {found}"
         # contact states may change at the best point: derivatives of all sides
         self.kink = find_kink(callbacks, totals, *tolerances, partial(access.contact_states, self))
         return str(self.kink or "")
@@ -245,8 +247,8 @@ class OptimizerDriver(access.DriverHooks):
         # failures are named even if the optimiser reports another reason
         if callbacks.stalled:
             return (
-                "Stopped: every step from the best point found leads to a failed analysis; tighten "
-                "the bounds or start from another design. Last failure: "
+                "Stopped: every step from the best design found leads to a failed analysis; "
+                "tighten the bounds or start from another design. Last failure: "
                 f"{callbacks.evaluator.last_failure}"
             )
         if end.limited:

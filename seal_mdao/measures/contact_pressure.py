@@ -115,7 +115,10 @@ class ContactPressure(Measure):
     nominal: bool = False
     name: str = "contact_pressure"
     units = "kPa"
-    text = "True contact pressure of each patch, a mean of high order below the peak."
+    text = (
+        "True contact pressure of each group of contact points (patch): a mean of high order, "
+        "slightly below the peak."
+    )
 
     def __post_init__(self):
         if self.nominal:
@@ -192,7 +195,7 @@ class PeakPressure(ContactPressure):
 
     order: int = 40
     name: str = "peak_pressure"
-    text = "True contact pressure, a mean of high order below the peak."
+    text = "True contact pressure: a mean of high order, slightly below the peak."
 
     @property
     def selects_points(self):

@@ -24,7 +24,7 @@ class CavityPressure(Measure):
     air: str
     name: str = "cavity_pressure"
     units = "kPa"
-    text = "Excess pressure of the air in a hole over the outside."
+    text = "Pressure of the air in a hole above the outside pressure."
 
     def evaluate(self, result, partials):
         partials.output(self.air, "pressure")[0] += 1.0
@@ -70,7 +70,7 @@ class BlowOffPressure(Measure):
     fluid: str
     name: str = "blow_off_pressure"
     units = "kPa"
-    text = "Fluid pressure at which the fluid comes through to the dry end of its edge."
+    text = "Blow-off pressure, at which the fluid reaches the dry end of its edge."
     wants_end = False
 
     def evaluate(self, result, partials):

@@ -71,7 +71,7 @@ class GapSquareSum(Derived):
     base: Gap
     name: str = "gap_square_sum"
     units = "mm**2"
-    text = "Sum of the squared gaps, the cost of Eq. (71)."
+    text = "Sum of the squared normal gaps at contact points, Eq. (71) of Kim et al. (2000)."
 
     def value(self, values):
         # sum g^2 and its gradient 2 g   Eq. (71)
@@ -174,8 +174,8 @@ class GapSquareIntegral(BetweenContacts):
     name: str = "gap_square_integral"
     units = "mm**3"
     text = (
-        "Integral of the squared gap between the first and the last contact, hardly dependent on the "
-        "refinement."
+        "Integral of the squared gap between the first and the last contact, nearly independent of "
+        "the particle spacing."
     )
 
     def evaluate(self, result, partials):

@@ -25,7 +25,7 @@ class RetainedForce(Derived):
     base: Reaction
     name: str = "retained_force"
     units = None
-    text = "Force over an earlier one, F(t) / F(0)."
+    text = "Ratio of the force to an earlier force, F(t) / F(0)."
 
     def least_scale(self, result):
         return SMALL
@@ -63,7 +63,7 @@ class TimeToForceFraction(Measure):
     stage: int = 1
     name: str = "time_to_force_fraction"
     units = "s"
-    text = "Time until the force has fallen to a fraction of that at the end of a stage."
+    text = "Time until the force has fallen to a fraction of the force at the end of a stage."
 
     def check(self, seal):
         first = stage_times(seal.terms()[0], self.name).first
@@ -164,7 +164,10 @@ class CompressionSet(Measure):
     stage: int = 1
     name: str = "compression_set"
     units = None
-    text = "Part of the compression that is left at the end, (h_0 - h) / (h_0 - h_closed)."
+    text = (
+        "Compression set: fraction of the compression that is not recovered at the end, (h_0 - h) "
+        "/ (h_0 - h_closed)."
+    )
 
     def least_scale(self, result):
         return SMALL

@@ -199,7 +199,7 @@ def analysis_table(start: SealResult, end: SealResult, recorded: dict, name="") 
                 for value, result in zip(recorded[own][[0, -1]], (start, end), strict=True)
             ]
             rows.append(["the same, as recorded", *cells, unit])
-    head = ["measure at the end of the path", "start", "end", "unit"]
+    head = ["measure at the end of the analysis", "start", "end", "unit"]
     of = f" of {name}" if name else ""
     return table(head, rows, f"First and last design{of}, from their analyses")
 
@@ -243,12 +243,18 @@ def measures(result: SealResult) -> dict[str, tuple[str, float]]:
         "highest von Mises stress at a particle": ("kPa", float(result.stress_field().max())),
         "area of the section": ("mm²", float(area)),
         "travel reached": ("mm", float(result.travel[-1])),
-        "times that stability was lost": ("", len(result.critical_points)),
+        "number of losses of stability (buckling or snap-through)": (
+            "",
+            len(result.critical_points),
+        ),
     }
     # effect of the contact penalties on the measures, in percent
     errors = result.penalty_error if result.converged else {}
     return found | {
-        f"error of {label(name)} by penalties alone, estimated": ("%", 100.0 * error.relative)
+        f"estimated numerical error of {label(name)} due to contact penalties alone": (
+            "%",
+            100.0 * error.relative,
+        )
         for name, error in errors.items()
         if error.estimable
     }

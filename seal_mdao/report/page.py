@@ -229,12 +229,13 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
         text = f"{points} with values, {history.failed} failed."
         return "unknown", "No optimisation", text
     if not history.runs:
-        return "unknown", "End not recorded", f"The file does not say how the run ended. {limits}"
+        return "unknown", "End not recorded", "The recorder file does not say how the optimisation "
+        f"ended. {limits}"
     last = history.runs[-1]
     if last.cut_off:
         # the process ended before the driver did
         analyses = _counted(history.evaluations, "recorded analysis", "recorded analyses")
-        return "stopped", "Cut off", f"The run was cut off after {analyses}. {limits}"
+        return "stopped", "Cut off", f"The optimisation was interrupted after {analyses}. {limits}"
     # the driver's own claim counts only at a feasible point
     kind = ("stopped", "Not converged")
     if last.success and feasible:

@@ -40,8 +40,8 @@ def creases(samples: EvaluationPoints) -> str:
     return (
         f"the free surface is compressed to {stretch[worst]:.2g} of its length where "
         f"{values.place(point)} undeformed: below {CREASES:.2g} rubber forms creases, which coarse "
-        "particles do not resolve, so finer particles may give another force or fail; use a larger "
-        "radius there, or less travel"
+        "particles do not resolve, so an analysis with finer particles may give another force or "
+        "fail; use a larger radius at this point, or less travel"
     )
 
 

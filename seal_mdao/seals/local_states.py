@@ -28,8 +28,8 @@ BESIDE = 1.0
 points between the particles. On a bonded half disc and a bonded gasket no point farther away does."""
 CURE = "round the corner, refine the particles there (spacing, layers), or use less travel"
 LEAVE_OUT = (
-    "the exact stress there is infinite, so the computed one grows with refinement; exclude this "
-    "point from stress measures (away_from_singular of von_mises)"
+    "the exact stress at this point is infinite, so the computed stress grows with refinement; "
+    "exclude this point from stress measures (away_from_singular of von_mises)"
 )
 """What to do at the end of a fixed edge, which no refinement cures."""
 
@@ -54,8 +54,9 @@ def meaningless_states(samples: EvaluationPoints):
     found = largest_stretch(samples)
     if not found.value <= LARGEST_STRETCH:
         yield (
-            f"a principal stretch is {found.value:.3g} {found.where}, beyond that of any rubber at "
-            f"break, so the stress there is meaningless; {cure_at(samples, found.point)}",
+            f"a principal stretch is {found.value:.3g} {found.where}, larger than the stretch at "
+            "break of any rubber, so the stress at this point is meaningless; "
+            f"{cure_at(samples, found.point)}",
             found.point,
         )
     path, body = samples.path, samples.path.discretization.body
@@ -75,7 +76,7 @@ def meaningless_states(samples: EvaluationPoints):
             yield (
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
                 f"times the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: "
-                "the cells there are distorted, and this stress is meaningless; "
+                "the background cells at this point are distorted, and this stress is meaningless; "
                 f"{cure_at(samples, places[worst])}",
                 places[worst],
             )

@@ -129,4 +129,7 @@ def _cure(body, name: str, touching) -> str:
     if sum(int(body.edges[own].particles[0]) not in ends for own in listed) > 1:
         return "add a second [[profile]] with the same curve and motion for this edge"
     names = ", ".join(f'"{own}"' for own in listed)
-    return f"add it, contact = [{names}], or leave contact out to include all free neighbours"
+    return (
+        f"add this edge, contact = [{names}], or leave out contact to include all free "
+        "neighbouring edges"
+    )

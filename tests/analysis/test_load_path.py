@@ -115,7 +115,7 @@ def test_path_that_fails_says_where(buckled):
     assert path.status in (Status.NOT_CONVERGED, Status.CYCLED)
     assert 4.0 < buckled.travel[-1] < 9.0
     step, fraction, residual, iterations, x, y, contact, slipping = re.search(
-        r"load step (\d+) \(path parameter ([\d.]+)\): .*relative residual (\S+) after (\d+) "
+        r"load step (\d+) \(load parameter ([\d.]+)\): .*relative residual (\S+) after (\d+) "
         r"iterations; door at x = (\S+), y = (\S+), (\d+) points in contact, (\d+) slipping",
         path.failure,
     ).groups()

@@ -147,4 +147,4 @@ def test_body_that_nothing_holds_moves_off(nominal):
     away = np.full_like(nominal.particles, 1000.0)
     found = relax(Increment(problem, 1.0, problem.no_history(), nominal.seal.newton), away)
     assert found.status is Status.MOVED_OFF
-    assert "moves the body away without limit" in ending(found.status, nominal.seal.newton)
+    assert "moves the seal away without limit" in ending(found.status, nominal.seal.newton)

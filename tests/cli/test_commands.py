@@ -306,7 +306,10 @@ def test_analyses_and_captions_say_at_which_temperature_they_are(
     assert main(["analyze", str(bulb), "--no-vtu", "--out", str(out)]) == 0
     conditions = json.loads((out / "summary.json").read_text())["conditions"]
     assert conditions == {"temperature_degC": 60.0, "swelling": 1.02}
-    assert "\nconditions at the end of the path: 60 °C, swelling 1.02\n" in capsys.readouterr().out
+    assert (
+        "\nprescribed conditions at the end of the analysis: 60 °C, swelling 1.02\n"
+        in capsys.readouterr().out
+    )
     named = "bulb: rubber (Mooney-Rivlin), 60 °C, swelling 1.02"
     assert set(drawn) == {f"{named} | 2023-11-14"}
     drawn.clear()
@@ -478,9 +481,9 @@ def test_a_sweep_of_a_number_of_the_file_is_that_of_a_changed_file(
             "door_travel; numbers of the file are material.rubber.c10, material.rubber.c01",
         ),
         ("material.rubber.c1", "[material.rubber]: unknown key 'c1' (did you mean 'c10'?)"),
-        ("material.rubber.law", "the file has no number 'material.rubber.law'"),
+        ("material.rubber.law", "the seal file has no number 'material.rubber.law'"),
         ("profile.lid.friction", "(did you mean 'profile.door.friction'?)"),
-        ("profile.door.start.3", "the file has no number 'profile.door.start.3'"),
+        ("profile.door.start.3", "the seal file has no number 'profile.door.start.3'"),
         ("section.spacings", "unknown key 'spacings' (did you mean 'spacing'?)"),
     ],
 )
@@ -683,8 +686,9 @@ def test_largest_stress_names_a_singular_point():
     noisy = summary | {"largest_von_mises_at_mm": [-7e-15, 2.0]}
     assert stress_line(noisy) == plain.replace("x = 1", "x = 0")
     assert stress_line(summary | {"largest_von_mises_singular_at": "a re-entrant corner"}) == (
-        f"{plain}: a re-entrant corner, where stress is singular and grows under refinement "
-        "(away_from_singular of von_mises leaves it out); elsewhere 5.0 kPa, at x = 3, y = 4"
+        f"{plain}: a re-entrant corner, where the exact stress is infinite and the computed stress "
+        "grows with refinement (away_from_singular of von_mises excludes this point); elsewhere "
+        "5.0 kPa, at x = 3, y = 4"
     )
 
 

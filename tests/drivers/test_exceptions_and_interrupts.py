@@ -78,7 +78,7 @@ def test_ctrl_c_keeps_the_best_point(make_driver, interrupt, where):
     comp = prob.model.plane
     assert not result.success
     assert "Ctrl-C" in result.exit_status
-    assert "best feasible point found is kept" in result.exit_status
+    assert "best feasible design found is the result" in result.exit_status
     assert prob.get_val("f")[0] == min(rosenbrock(x) for x in comp.visited)
     assert prob.get_val("f")[0] < rosenbrock([-1.2, 1])
     assert (comp.calls if where == "hook" else comp.partials_calls) <= 10
@@ -91,7 +91,7 @@ def test_ctrl_c_prefers_a_feasible_point(make_driver):
     prob = constrained_problem(make_driver(), (6, 6), "x[0] + x[1]**2", 20.0, hook=hook)
     result = prob.run_driver()
     feasible = [x for x in prob.model.plane.visited if x[0] + x[1] ** 2 >= 20.0 * (1 - 1e-6)]
-    assert "best feasible point" in result.exit_status
+    assert "best feasible design" in result.exit_status
     assert prob.get_val("f")[0] == min(quadratic(x) for x in feasible)
 
 
@@ -99,7 +99,7 @@ def test_ctrl_c_before_any_feasible_point(make_driver):
     hook = _raise_at(2, KeyboardInterrupt())
     prob = constrained_problem(make_driver(), (6, 6), "x[0] + x[1]**2", 500.0, hook=hook)
     result = prob.run_driver()
-    assert "no feasible point had been found" in result.exit_status
+    assert "no feasible design was found" in result.exit_status
     assert prob.get_val("x").tolist() == [6.0, 6.0]
 
 

@@ -101,7 +101,7 @@ def test_optimum_inside_the_failing_region(make_driver):
     prob = plane_problem(driver, (5, 5), hook=failing_where(lambda x: x[0] < 0.3))
     result = prob.run_driver()
     assert not result.success
-    assert "every step from the best point found leads to a failed analysis" in result.exit_status
+    assert "every step from the best design found leads to a failed analysis" in result.exit_status
     assert "the analysis does not converge here" in result.exit_status
     assert result.model_evals < 100
     assert prob.get_val("x")[0] == pytest.approx(0.3, abs=1e-3)

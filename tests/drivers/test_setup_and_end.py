@@ -141,7 +141,7 @@ def test_a_limit_is_reported_even_when_quiet(make_driver, capsys):
     assert "Optimization stopped." in printed
     assert result.exit_status in printed
     assert prob.driver.limited
-    assert "the best feasible point found is kept" in result.exit_status
+    assert "the best feasible design found is the result" in result.exit_status
 
 
 class CountingComp(om.ExplicitComponent):

@@ -206,7 +206,10 @@ def test_load_steps_are_chosen_where_the_file_gives_none(tmp_path, run_script, c
     code, s = run_script("analyze", tmp_path, path, "--no-vtu")
     assert code == 0
     said = capsys.readouterr().out
-    assert f"{s['n_steps']} load steps, chosen for an error of at most 0.50%" in said
+    assert (
+        f"{s['n_steps']} load steps, chosen for an estimated numerical error of at most 0.50%"
+        in said
+    )
     seal = sm.build_seal(sm.read_seal_file(path))
     assert s["n_steps"] == seal.n_steps
     result = sm.analyze(seal)

@@ -89,10 +89,12 @@ def test_a_power_law_determines_the_shift_where_forces_are_shared(fit_text, caps
     _, summary, _ = fit_text("\n".join([f"{head},test", *rows]), "--shift", "arrhenius")
     energy = summary["shift"]["arrhenius"]["activation_energy"]
     assert energy == pytest.approx(80.0, rel=0.05)
-    assert "every temperature has a force scale of its own" not in capsys.readouterr().out
+    assert "the curve of every temperature has its own force scale" not in capsys.readouterr().out
     unnamed = [row.removesuffix(",one") for row in rows]
     fit_text("\n".join([head, *unnamed]), "--shift", "arrhenius")
-    assert "WARNING: every temperature has a force scale of its own" in capsys.readouterr().out
+    assert (
+        "WARNING: the curve of every temperature has its own force scale" in capsys.readouterr().out
+    )
 
 
 def test_one_temperature_with_given_times_and_a_ramp(fit_text, assert_drawn, capsys):
@@ -112,7 +114,7 @@ def test_one_temperature_with_given_times_and_a_ramp(fit_text, assert_drawn, cap
     parts = G / (-np.expm1(-1.0 / TAU) * TAU)
     assert summary["g"] == pytest.approx((parts / (0.7 + parts.sum())).tolist(), rel=1e-9)
     said = capsys.readouterr().out
-    assert "1 readings before the end of the loading are left out" in said
+    assert "1 readings before the end of the loading ramp are left out" in said
     assert "5 s  given" in said
     assert "reference" not in (out / "viscoelastic.toml").read_text()
     assert_drawn(out, "fit")
@@ -125,7 +127,10 @@ def test_a_wrong_shift_function_is_reported(fit_text, capsys):
     code, summary, _ = fit_text(text, "--shift", "arrhenius")
     assert code == 0
     assert summary["rms_of_largest_force"] > 10.0 * summary["rms_without_shift_function"]
-    assert "the shift law arrhenius does not describe these temperatures" in capsys.readouterr().out
+    assert (
+        "the law arrhenius does not describe the shift of the relaxation times"
+        in capsys.readouterr().out
+    )
 
 
 BAD = {

@@ -170,7 +170,7 @@ def test_a_continued_run_has_the_load_steps_that_were_chosen(
     path = written(tmp_path, OPEN)
     code, s = run_script("optimize", tmp_path, path, "--max-iterations", 1)
     said = capsys.readouterr().out
-    assert "load steps, chosen for an error of at most" in said
+    assert "load steps, chosen for an estimated numerical error of at most" in said
     # a limit is no failure, but not an optimum either
     assert (code, s["limited"]) == (1, True)
     assert "FAILED" not in said

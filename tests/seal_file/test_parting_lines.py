@@ -179,7 +179,7 @@ def test_a_design_keeps_a_line_across_a_hole(across, tmp_path):
     ([('parting = ["split"]\n', "")], "layers read as boundary"),
     ([('parting = ["split"]', 'ignore = ["split"]')],
      "[[section.region]] 1: the key 'line' is missing; give the line"),
-    ([('parting = ["split"]', 'parting = ["splt"]')], "parting = 'splt', but there is no such layer"),
+    ([('parting = ["split"]', 'parting = ["splt"]')], "'splt', but the drawing has no such layer"),
     ([('material = "stiff"\n', 'material = "hard"\n'), ("material.stiff", "material.hard")],
      "[[section.region]] 1: the key 'at' is missing, and the drawing has no text 'hard'; give a point"),
     ([('parting = ["split"]', "parting = []")], "it must be a list of layers, such as"),

@@ -53,7 +53,7 @@ def test_creases_are_the_cause_of_a_path_that_ends_in_them(d_bulb):
     failure = ended(d_bulb, len(d_bulb.path.steps)).failure
     words = r"the last converged load step the free surface is compressed to (\S+) of its"
     assert float(re.search(words, failure)[1]) == pytest.approx(0.545, abs=0.01)
-    assert failure.endswith("use a larger radius there, or less travel")
+    assert failure.endswith("use a larger radius at this point, or less travel")
     assert "more load steps" not in failure
 
 

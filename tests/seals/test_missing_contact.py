@@ -62,7 +62,7 @@ def of_side(result):
 def test_edge_without_contact_is_reported_with_travel_depth_and_cure(alone):
     (found,) = of_side(alone)
     assert "edge 'side' may not touch the rigid profile 'plate'" in found.text
-    assert 'contact = ["side", "top"], or leave contact out' in found.text
+    assert 'contact = ["side", "top"], or leave out contact' in found.text
     assert found.meaningless
     assert not alone.trustworthy
     # gaps of the particles of the side, but for the corner that touches, after every load step
