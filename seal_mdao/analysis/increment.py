@@ -58,7 +58,7 @@ class Solution(NamedTuple):
     status : Status
         CONVERGED, or the reason why there is no equilibrium.
     d : ndarray, shape (n, 2)
-        Generalised displacements.
+        Generalised displacements; where CYCLED, their mean over one cycle.
     residuals : tuple of float
         Relative residual before each iteration, and at the end.
     assembly : Assembly

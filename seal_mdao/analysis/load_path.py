@@ -7,7 +7,8 @@ Every increment goes through the same list, each entry only where those before i
    contact law (``linear_contact``).
 3. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
 4. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
-   large clouds; Newton's method; mixed iterations, for stiff contact.
+   large clouds; Newton's method; mixed iterations, for stiff contact. Where only profiles hold the
+   body, none touches it yet and Newton's method cycles, also from the mean of the cycle.
 5. Damped motion, where Newton's method cycles between stick and slip and the increment ends a nominal
    step.
 6. Half of the increment, until it is the smallest one.
@@ -82,6 +83,13 @@ def _judged(increment: Increment, found: Solution, guess) -> Solution:
         if increment.problem.symmetric and not found.factor.positive:
             return found._replace(status=Status.UNSTABLE)
     return found
+
+
+def is_free(problem: PathProblem) -> bool:
+    """Return whether nothing but contact prevents a translation of the body."""
+    # a radial displacement stretches a body of revolution
+    first = 1 if problem.discretization.body.axisymmetric else 0
+    return bool(np.any(np.all(problem.discretization.layout.equations[:, first:] >= 0, axis=0)))
 
 
 def _most_cuts(status: Status, options: NewtonOptions) -> int:
@@ -219,6 +227,11 @@ class _Path:
             if found.converged:
                 break
             tried = found.residuals
+        if found.status is Status.CYCLED and not increment.last.touched and is_free(self.problem):
+            # it moves from one profile to the other as if rigid; between them it touches both
+            between = corrected(increment, found.d, self.reuse).after(tried)
+            if between.converged:
+                return between, found.d
         return found, guess
 
     def _damped(self, increment: Increment, failed: Solution, guess) -> Solution:

@@ -62,19 +62,18 @@ def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 
-def _cycles(visited: list) -> bool:
-    """Whether the last displacements are those of a few iterations before, so that the next are, too.
+def _cycle(visited: list) -> list:
+    """Return the displacements of one cycle where the last are those of a few iterations before, so
+    that the next are, too; an empty list where they are not.
 
     Points that alternately stick and slip, or touch and open, make Newton's method cycle.
     """
-    if len(visited) <= SHORTEST_CYCLE:
-        return False
-    d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
     # |d_k - d_(k-p)| << |d_k - d_(k-1)| for a period p
-    return any(
-        np.abs(d - earlier).max() <= SAME_PLACE * step
-        for earlier in visited[-1 - LONGEST_CYCLE : -SHORTEST_CYCLE]
-    )
+    for period in range(SHORTEST_CYCLE, min(LONGEST_CYCLE, len(visited) - 1) + 1):
+        d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
+        if np.abs(d - visited[-1 - period]).max() <= SAME_PLACE * step:
+            return visited[-period:]
+    return []
 
 
 def newton(increment: Increment, guess: np.ndarray) -> Solution:
@@ -106,8 +105,9 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
         if number == options.max_iterations and not done:
             break
         visited.append(d)
-        if not done and _cycles(visited):
-            return Solution(Status.CYCLED, d, tuple(residuals), now)
+        cycle = [] if done else _cycle(visited)
+        if cycle:
+            return Solution(Status.CYCLED, np.mean(cycle, axis=0), tuple(residuals), now)
         if mixed:
             # tangent and force of the mixed linearisation at the same d
             now = increment.evaluate(d, now.iteration, mixed=not done)

@@ -65,6 +65,11 @@ class ConvergedStep:
         """History of every term that passes to the next step."""
         return tuple(response.history for response in self.responses)
 
+    @property
+    def touched(self) -> bool:
+        """Whether any point of any term is in contact."""
+        return any(np.any(response.branch) for response in self.responses)
+
     def same_branches(self, other: "ConvergedStep") -> bool:
         """Return whether every term is on the same branch (contact state) as at another step."""
         return all(

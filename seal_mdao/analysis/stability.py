@@ -151,9 +151,10 @@ def _potential(problem: PathProblem, step: ConvergedStep, fraction: float) -> fl
 
 def _driving(problem: PathProblem, step: ConvergedStep) -> float:
     """Differentiate the potential with respect to the path parameter at fixed displacements."""
-    # dPi/dlambda = [Pi(lambda + h) - Pi(lambda - h)] / 2 h
-    ends = (_potential(problem, step, step.fraction + h) for h in (NEARBY, -NEARBY))
-    return float(np.subtract(*ends)) / (2.0 * NEARBY)
+    # dPi/dlambda = [Pi(lambda + h) - Pi(lambda - k)] / (h + k), k = h unless the path begins there
+    after, before = step.fraction + NEARBY, max(step.fraction - NEARBY, 0.0)
+    change = _potential(problem, step, after) - _potential(problem, step, before)
+    return float(change) / (after - before)
 
 
 def flagged(problem: PathProblem, factor, step: ConvergedStep, before: ConvergedStep):

@@ -24,8 +24,8 @@ from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
 
-ENOUGH = 5
-"""Least number of points in contact that resolve the peak to a few percent."""
+ENOUGH, SOME = 5, 3
+"""Least number of points in contact that resolve the peak to a few percent, and to some 10 %."""
 
 
 @dataclass(frozen=True)
@@ -229,10 +229,18 @@ def unresolved_peaks(result) -> tuple[str, ...]:
     lines = []
     for profile in dict.fromkeys(measured):
         count = points_around_peak(result.response(profile).gap)
-        if 0 < count < ENOUGH:
+        finer = "use a smaller edge_spacing for the edge that touches this profile"
+        if SOME <= count < ENOUGH:
             lines.append(
                 f"the peak pressure on {profile!r} is computed from only {count} points in "
-                "contact, so its numerical error may be 5 % (four points) to 15 % (two points); "
-                "use a smaller edge_spacing for the edge that touches this profile"
+                f"contact, so its numerical error may be 10 %; {finer}"
+            )
+        elif 0 < count < SOME:
+            points = "2 points are" if count == 2 else "1 point is"
+            lines.append(
+                f"the peak pressure on {profile!r} is not resolved: only {points} in contact, and "
+                "the contact may be narrower than the distance of two points; the computed peak "
+                "may be several times too small and the contact width wrong, while the force is "
+                f"affected far less; {finer}"
             )
     return tuple(lines)

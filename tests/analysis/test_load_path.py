@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import inside, square
+from seal_file.block_files import between_plates
 from verification.differences import contact_states
 
 import seal_mdao as sm
@@ -98,6 +99,20 @@ def test_parts_of_a_step_hardly_change_the_path(cut, nominal):
     parted = sm.analyze(with_options(cut.seal, n_steps=105))
     np.testing.assert_allclose(parted.reaction, nominal.reaction, rtol=0.0, atol=0.02)
     np.testing.assert_allclose(parted.deformed(), nominal.deformed(), rtol=0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_free_body_between_two_plates_finds_both_in_the_first_step(tmp_path, friction):
+    """As if rigid it would move from one plate to the other and back in every iteration."""
+    result = sm.analyze(between_plates(tmp_path, friction))
+    assert result.converged
+    assert result.path.step_cuts == 0
+    assert result.critical_points == ()
+    first = result.path.steps[0]
+    lid, floor = (result.response(name, first) for name in ("lid", "floor"))
+    assert np.all(lid.gap < 0.0)
+    assert np.all(floor.gap < 0.0)
+    np.testing.assert_allclose(lid.total[1], -floor.total[1], rtol=1e-8)
 
 
 def test_callback_sees_every_nominal_step_once_and_in_order():

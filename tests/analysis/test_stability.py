@@ -1,14 +1,17 @@
 """Stable branches: what happens where equilibrium loses its stability."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from bodies import dense
+from seal_file.block_files import between_plates
 from verification.differences import beside
 
 import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.analysis.stability import _driving
 from seal_mdao.seals.door.door_seal import DOOR, options_of, with_options
 
 PRIMARY = sm.NewtonOptions(branch="primary")
@@ -102,6 +105,18 @@ def test_every_step_of_the_stable_branch_is_stable(swayed):
     assert all(step.stable for step in swayed.path.steps)
     for step in swayed.path.nominal_steps[40::16]:
         assert lowest_eigenvalue(swayed, step) > 0.0
+
+
+def test_the_potential_has_a_rate_at_the_beginning_of_the_path(tmp_path):
+    """There is no pose of a profile before the first one."""
+    path = sm.analyze(between_plates(tmp_path, friction=0.0)).path
+    # the block moved up into the lid by g, where Pi = w_n L g^2 / 2, with L = 8 mm; the lid moves
+    # down by 0.025 mm in the first step
+    g = 0.1
+    moved = replace(path.start, d=path.start.d + np.array([0.0, g]))
+    assert moved.fraction == 0.0
+    # one-sided difference: relative error of half the motion within it, 1e-4 steps, over g
+    assert _driving(path.problem, moved) == pytest.approx(1e7 * 8.0 * g * 0.025, rel=2e-5)
 
 
 def test_the_other_branch_says_where_it_is_unstable(swayed, upright):

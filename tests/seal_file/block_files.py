@@ -47,6 +47,26 @@ stage = [{ translate = [0, -0.5], steps = 3 }]
 [[measure]]
 type = "reaction"
 """
+BETWEEN_PLATES = """[fixed]
+edges = ["left"]
+directions = ["x"]
+[[profile]]
+name = "lid"
+friction = {friction}
+contact = ["top"]
+line = [[-9, 0], [9, 0]]
+start = [0, 4]
+normal_penalty = 1e7
+tangent_penalty = 1e6
+stage = [{{ translate = [0, -0.05], steps = 2 }}]
+[[profile]]
+name = "floor"
+friction = {friction}
+contact = ["base"]
+line = [[9, 0], [-9, 0]]
+normal_penalty = 1e7
+tangent_penalty = 1e6
+"""
 MEASURES = """[[measure]]
 type = "reaction"
 component = "y"
@@ -80,6 +100,11 @@ def file_of(folder, *tables, **options):
 def seal_of(folder, *tables, **options):
     """The seal of such a file."""
     return sm.build_seal(file_of(folder, *tables, **options))
+
+
+def between_plates(folder, friction):
+    """The seal of the block between two plates that touch it at the start; the upper one moves down."""
+    return seal_of(folder, BETWEEN_PLATES.format(friction=friction), spacing=0.5, bulk=1e6)
 
 
 def with_model(given: str, lines: str) -> str:
