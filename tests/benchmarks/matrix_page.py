@@ -25,8 +25,8 @@ optimality conditions (column KKT) is the largest entry of the gradient of the s
 the complementarity products, computed in the same way for all optimisers by
 {{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These limits and the distribution of the random
 cases were fixed before the first run, and each case is run once. The cost is the objective divided by
-that of the nominal seal. Its lower bound is zero, so the cost of a result is an upper bound of the
-possible further improvement.
+that of the nominal seal. The lower bound of the cost is zero, so the cost of a result is an upper bound
+of the possible further improvement.
 
 """
 LEGEND = """| factor | meaning |
