@@ -246,7 +246,7 @@ class SealResult:
             wrong = [*filter(None, wrong)]
             wrong += [found.text for found in findings(self.path) if found.meaningless]
             raise LoadPathError(
-                f"{', '.join(unknown)} cannot be evaluated for this result: {'; '.join(wrong)}",
+                f"the measures {', '.join(unknown)} cannot be evaluated: {'; '.join(wrong)}",
                 self,
             )
         return values
@@ -267,8 +267,9 @@ class SealResult:
         near = missing_contact(self.path) if done else ""
         advice = f"{near}. {advice}" if near else advice
         return (
-            f"the analysis stopped at {self.path.failure}; {done} of {self.seal.n_steps} load "
-            f"steps converged.{lost} {damped + '. ' if damped else ''}{advice}"
+            f"the analysis could not be completed at {self.path.failure}; {done} of "
+            f"{self.seal.n_steps} load steps converged.{lost} "
+            f"{damped + '. ' if damped else ''}{advice}"
         )
 
     @property

@@ -190,7 +190,7 @@ def test_travel_is_found_with_unequal_steps():
     "ends", [[4.0, 9.0], [9.0, 11.0], [4.0, 4.0, 9.0, 11.0], [0.0, 4.0, 9.0, 11.0], []]
 )
 def test_ends_that_do_not_fit_the_stages_are_refused(ends):
-    with pytest.raises(ValueError, match="ends of load steps"):
+    with pytest.raises(ValueError, match="at which load steps end must increase"):
         closing().with_ends(ends)
 
 

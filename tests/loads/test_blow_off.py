@@ -143,5 +143,5 @@ def test_a_path_that_ends_afterwards_has_the_pressure_and_its_derivatives(blown)
 def test_a_path_that_ends_before_has_none():
     result = sm.analyze(gasket(PRESSURE, squeeze=1.9, close=2, steps=2))
     assert not result.converged
-    with pytest.raises(LoadPathError, match="the analysis stopped at load step"):
+    with pytest.raises(LoadPathError, match="could not be completed at load step"):
         result.value(BLOW_OFF)

@@ -248,14 +248,17 @@ def test_messages_tell_of_the_fluid(pressed):
         ({"share": 0.0}, "share of 'fluid' must be a number above 0"),
         ({"share": 1.5}, "share of 'fluid'"),
         ({"end": "left"}, "end of 'fluid'"),
-        ({"edge": np.array([1])}, "the edge of 'fluid' needs at least two particles"),
+        (
+            {"edge": np.array([1])},
+            "the edge on which the fluid pressure 'fluid' acts needs at least two particles",
+        ),
         (
             {"ramp": np.array([0.0, -1.0])},
-            "ramp of 'fluid' must be a list of finite numbers of at least 0",
+            "the ramp of the fluid pressure 'fluid' must be a list of finite numbers of at least 0",
         ),
         (
             {"ramp": np.array([0.0, np.inf])},
-            "ramp of 'fluid' must be a list of finite numbers of at least 0",
+            "the ramp of the fluid pressure 'fluid' must be a list of finite numbers of at least 0",
         ),
     ],
 )

@@ -374,7 +374,7 @@ def test_other_load_steps_take_the_same_time():
         ({"discharge_coefficient": -0.1}, "discharge_coefficient of 'air'"),
         ({"travel": np.array([1.0, 0.0])}, "travel of 'air'"),
         ({"time": np.array([1.0, 0.0, 2.0])}, "time of 'air'"),
-        ({"time": np.array([1.0, 2.0])}, "travel and time of 'air'"),
+        ({"time": np.array([1.0, 2.0])}, "travel and time of the vented air 'air'"),
         ({"pressure": 0.0}, "pressure of 'air'"),
     ],
 )  # fmt: skip

@@ -204,7 +204,7 @@ def test_what_has_no_wall_is_refused():
         WallThickness(deficit=1.0)
     with pytest.raises(ValueError, match="needs both edges and opposite, the two sides of a"):
         WallThickness(edges=("outside",))
-    with pytest.raises(ValueError, match="outside and outside share a point"):
+    with pytest.raises(ValueError, match="outside and outside, share a point"):
         WallThickness(("outside",), ("outside",)).distances(ring.body, ring.particles)
     alone = Ring(20)
     alone.body = Body(

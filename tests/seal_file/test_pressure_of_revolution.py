@@ -64,6 +64,7 @@ def test_a_disc_with_a_cavity_under_a_fluid(tmp_path):
 
 def test_a_fluid_on_the_axis_is_refused(tmp_path):
     with pytest.raises(
-        SealFileError, match=r"\[\[fluid\]\] 1: edge has 'axis', which lies on the axis"
+        SealFileError,
+        match=r"\[\[fluid\]\] 1: edge contains the edge 'axis', which lies on the axis",
     ):
         read(tmp_path, "axis")

@@ -193,7 +193,8 @@ def test_constants_must_be_stable_over_the_range_that_is_stated(tmp_path):
     old = text[: text.index("[section]")]
     assert changed(tmp_path, (old, weak)).materials["rubber"] == sm.Yeoh(60.0, -3.0, 0.0, 8e4)
     with pytest.raises(
-        sm.SealFileError, match=r"yeoh is not stable: .* instability begins"
+        sm.SealFileError,
+        match=r"yeoh describes a material that is not stable: .* instability begins",
     ) as found:
         changed(tmp_path, (old, weak + "stable = [0.5, 3.0]\n"))
     begins = float(

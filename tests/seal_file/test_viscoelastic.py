@@ -315,7 +315,9 @@ def test_temperatures_below_the_law_of_the_shift_are_refused(tmp_path):
 
 def test_temperatures_for_other_stages_are_refused(tmp_path):
     given = relaxing(text(FIXED, LID), SHIFTED, model="temperature = [60.0, 80.0]")
-    with pytest.raises(sm.SealFileError, match="temperature has 2 numbers, but 'lid' has 3 stages"):
+    with pytest.raises(
+        sm.SealFileError, match="has 2 numbers, but the motion of 'lid' has 3 stages"
+    ):
         read(tmp_path, given)
 
 

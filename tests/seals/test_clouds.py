@@ -199,13 +199,13 @@ def test_thickness_of_a_ring():
 
 def test_what_cannot_be_filled_is_refused():
     square = polygon(np.array(BLOCK), 0.5).points
-    with pytest.raises(ValueError, match=r"loop 0 must have shape \(2 k, 2\)"):
+    with pytest.raises(ValueError, match=r"\(loop\) 0 must have shape \(2 k, 2\)"):
         cloud([square[:-1]], 0.5)
     with pytest.raises(ValueError, match="spacing must be a positive number"):
         cloud([square], -1.0)
-    with pytest.raises(ValueError, match="loop 0 has the wrong direction"):
+    with pytest.raises(ValueError, match=r"\(loop\) 0 has the wrong direction"):
         cloud([square[::-1]], 0.5)
-    with pytest.raises(ValueError, match="loop 1 has the wrong direction"):
+    with pytest.raises(ValueError, match=r"\(loop\) 1 has the wrong direction"):
         cloud([square, 0.2 * square + 1.0], 0.5)
 
 

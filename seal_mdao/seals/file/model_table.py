@@ -158,8 +158,8 @@ def _check_edges_on_axis(file) -> None:
         for name in names:
             if name in on_axis:
                 raise SealFileError(
-                    f"{where} contains the edge {name!r}, which lies on the axis of revolution and "
-                    "is not a surface; remove this edge"
+                    f"{where} contains the edge {name!r}, which lies on the axis of revolution and is "
+                    "not a surface; remove this edge"
                 )
 
 
