@@ -3,6 +3,7 @@
 import argparse
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,7 @@ def main(arguments) -> int:
         summary["filling"] = file.section.filling
     write_summary(arguments.out, summary)
     report(result, summary)
+    estimates = None
     if (arguments.errors or clouds) and result.converged:
         # other analyses follow, unless the particles were chosen by them, and the summary again
         estimates = clouds[-1].estimates if clouds else errors_of(file, result)
@@ -82,7 +84,7 @@ def main(arguments) -> int:
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
-        draw(result, arguments.out)
+        draw(result, arguments.out, estimates)
     series = write_series(result, arguments)
     print(f"figures, CSV and summary.json in {arguments.out}{series}")
     if arguments.abaqus:
@@ -251,9 +253,10 @@ def measured(result: SealResult) -> dict:
     return {"measures": found}
 
 
-def draw(result: SealResult, out: Path) -> None:
+def draw(result: SealResult, out: Path, estimates: dict | None = None) -> None:
+    """Draw all figures; that of the particles has the estimated errors, where there are any."""
     figures = {
-        "section": plotting.section_cloud,
+        "section": partial(plotting.section_cloud, estimates=estimates),
         "deformed_shapes": plotting.deformed_shapes,
         "load_deflection": plotting.load_deflection,
     }

@@ -40,7 +40,8 @@ def main(arguments) -> int:
     found = tried[-1]
     print_errors(found.estimates, found.result)
     plotting.save(plotting.error_parts(found.estimates), arguments.out / "errors.png")
-    plotting.save(plotting.section_cloud(unloaded(seal)), arguments.out / "section.png")
+    picture = plotting.section_cloud(unloaded(seal), found.estimates)
+    plotting.save(picture, arguments.out / "section.png")
     written.write_text(refined_text(file, arguments.out), encoding="utf-8")
     clouds = [
         {

@@ -41,14 +41,28 @@ MODE_SIZE = 0.08
 # ---- cloud ----
 
 
+def _error_lines(seal, estimates: dict) -> list[str]:
+    """List the estimated errors of the measures of a seal in per cent, the largest of each."""
+    lines = []
+    for measure in seal.standard:
+        own = estimates.get(measure.name)
+        if own is not None and own.bar is not None and own.bar.size and own.scale > 0.0:
+            error = 100.0 * own.bar.max() / own.scale
+            lines.append(f"{measure.name.replace('_', ' ')} ± {error:.2g} % (estimated)")
+    return lines
+
+
 @styled
-def section_cloud(result: SealResult) -> Figure:
+def section_cloud(result: SealResult, estimates: dict | None = None) -> Figure:
     """Plot particles, background cells, edges and materials by name, and the profiles at the start.
 
     Parameters
     ----------
     result : SealResult
         Its undeformed section is plotted.
+    estimates : dict of str to ErrorEstimate, optional
+        As of ``accuracy.error_estimate.estimate_errors``; error bars of the measures of the seal are
+        below the number of particles.
     """
     seal, particles = result.seal, result.particles
     # larger than a panel of shapes: cells and names must be legible
@@ -83,7 +97,9 @@ def section_cloud(result: SealResult) -> Figure:
     _name_profiles(axes, result, low, high)
     _name_materials(axes, result)
     section.frame(axes, low, high, seal)
-    axes.set_title(f"{len(particles)} particles, {len(seal.body.cells)} cells", loc="left")
+    title = [f"{len(particles)} particles, {len(seal.body.cells)} cells"]
+    title += _error_lines(seal, estimates or {})
+    axes.set_title("\n".join(title), loc="left")
     axes.legend(**BESIDE, title="edges", alignment="left")
     return figure
 

@@ -16,6 +16,7 @@ from seal_mdao.accuracy.error_estimate import ErrorEstimate
 from seal_mdao.cli.refine import refined_text
 from seal_mdao.cli.subcommands import main
 from seal_mdao.file_seal import file_and_seal
+from seal_mdao.plotting import section_cloud
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.settings import seal_of
@@ -333,3 +334,15 @@ def test_sweeps_choose_once(tmp_path, monkeypatch, capsys):
     with pytest.raises(SystemExit):
         main([*given, "section.spacing", "0.5,0.6"])
     assert "section.spacing cannot be varied" in capsys.readouterr().err
+
+
+def test_the_picture_of_the_particles_has_their_errors(chosen):
+    """Of every measure with an estimate; without estimates there is the number of particles alone."""
+    _, _, tried, result = chosen
+    count = len(result.particles)
+    lines = section_cloud(result, tried[-1].estimates).axes[0].get_title(loc="left").splitlines()
+    assert lines[0].startswith(f"{count} particles, ")
+    worst = tried[-1].worst
+    assert f"reaction ± {100.0 * worst.error:.2g} % (estimated)" in lines
+    assert not any("gap square sum" in line for line in lines)
+    assert "%" not in section_cloud(result).axes[0].get_title(loc="left")
