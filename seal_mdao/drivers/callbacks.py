@@ -11,6 +11,7 @@ from openmdao.core.analysis_error import AnalysisError
 
 from seal_mdao.drivers.evaluation import Evaluation, ModelEvaluator
 from seal_mdao.drivers.interrupt import InterruptGuard
+from seal_mdao.drivers.stagnation import Stagnation
 
 
 class SolverCallbacks:
@@ -40,6 +41,8 @@ class SolverCallbacks:
         An exception that is neither AnalysisError nor Ctrl-C.
     interrupted, stalled : bool
         Whether the run is stopped by Ctrl-C, or by too many failures.
+    stagnation : Stagnation
+        True where the run is stopped because its last designs lie on both sides of a jump.
     """
 
     def __init__(
@@ -51,6 +54,7 @@ class SolverCallbacks:
         self.eager = self.lost = False
         self.error: BaseException | None = None
         self.interrupted = self.stalled = False
+        self.stagnation = Stagnation()
         self._guard = guard
         self._feas_tol, self._max_failures = feas_tol, max_failures
         self._failures = 0
@@ -61,7 +65,7 @@ class SolverCallbacks:
     def stopping(self) -> bool:
         """Whether the optimiser is to stop; checked in every iteration."""
         self.interrupted = self.interrupted or self._guard.requested
-        return bool(self.error or self.interrupted or self.stalled)
+        return bool(self.error or self.interrupted or self.stalled or self.stagnation)
 
     @property
     def feasible(self) -> bool:
@@ -71,6 +75,7 @@ class SolverCallbacks:
     def start(self, prepare) -> NDArray[np.float64]:
         """Evaluate the start, where every error is raised; ``prepare`` is called before derivatives."""
         self.best = self.firm = self.evaluator.start()
+        self.stagnation.add(self.best)
         prepare()
         # derivatives that fail here would leave nothing to restart from
         self._derivatives(self.best.x)
@@ -89,9 +94,9 @@ class SolverCallbacks:
         return found
 
     def try_again(self) -> bool:
-        """Reset the count of failures for a restart with other steps; return whether one is
+        """Forget failures and stagnation before a restart with other steps; return whether one is
         allowed."""
-        self.stalled, self._failures = False, 0
+        self.stalled, self._failures, self.stagnation = False, 0, Stagnation()
         return not self.stopping
 
     def guarded(self, action, *arguments) -> None:
@@ -121,6 +126,7 @@ class SolverCallbacks:
 
     def _values(self, x) -> Evaluation:
         point = self.evaluator.evaluate(x)
+        self.stagnation.add(point)
         # the best point so far, even if the optimiser rejects it
         self.best = min(self.best, point, key=self._rank)
         # Ipopt cannot leave an accepted point without derivatives: fail at once instead

@@ -19,6 +19,7 @@ from seal_mdao.drivers.kink import find_kink
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimality import Optimality
 from seal_mdao.drivers.solver_libraries import count, positive_count, tolerance
+from seal_mdao.drivers.stagnation import PATIENCE, Stagnation
 from seal_mdao.recording import run_log
 from seal_mdao.recording.evaluations import RecordedEvaluations
 
@@ -62,6 +63,9 @@ class OptimizerDriver(access.DriverHooks):
     no direction improves, see `Kink`. Components with a method ``contact_states``, states by name, have
     the states that change there named. Those with a method ``faults``, texts, have the faults of the
     final design reported by an ``UntrustworthyResultWarning``.
+
+    A run that tries nearly the same designs on both sides of a jump of the model is stopped, and its
+    message names what jumps, see `Stagnation`.
 
     Attributes
     ----------
@@ -164,6 +168,8 @@ class OptimizerDriver(access.DriverHooks):
             # options are checked before the first analysis
             solve = self.prepare(callbacks)
             end = solve(callbacks.start(lambda: access.prepare_coloring(self)))
+            # the search for a kink analyses designs that are nearly the same, too
+            stagnation, callbacks.stagnation = callbacks.stagnation, Stagnation()
             # many stops are successes in fact: check the KKT conditions independently
             optimal = ""
             if not (end.limited or callbacks.interrupted or callbacks.error) and (
@@ -173,7 +179,7 @@ class OptimizerDriver(access.DriverHooks):
         # exceptions stored by the callbacks are raised outside the code of the optimiser
         if callbacks.error is not None:
             raise callbacks.error
-        self._finish(end, callbacks, optimal)
+        self._finish(end, callbacks, optimal, stagnation)
         return self.fail
 
     def show_iteration(self, objective: float, infeasibility: float, optimality: float) -> None:
@@ -211,13 +217,15 @@ class OptimizerDriver(access.DriverHooks):
         self.repeated_case, self.kink, self.limited = None, None, False
         self._next_header = 1
 
-    def _finish(self, end: SolverEnd, callbacks: SolverCallbacks, optimal: str) -> None:
+    def _finish(
+        self, end: SolverEnd, callbacks: SolverCallbacks, optimal: str, stagnation: Stagnation
+    ) -> None:
         """Leave the model at the result, and set the status and message of the run."""
         stopped = callbacks.interrupted or callbacks.stalled
         # stopped or unsuccessful, and the optimality conditions do not hold
         self.fail = (stopped or not end.success) and not optimal
         self.limited = end.limited and not stopped
-        self.exit_message = optimal or self._describe(end, callbacks)
+        self.exit_message = optimal or self._describe(end, callbacks, stagnation)
         evaluator = callbacks.evaluator
         # the model is left at the result, so that outputs and derivatives belong to it
         evaluator.load(callbacks.best.x if stopped or not end.success else end.x)
@@ -241,7 +249,7 @@ class OptimizerDriver(access.DriverHooks):
             self._print(f"Optimization Complete\n{self.exit_message}\n{'-' * 35}")
         warn_of_faults(f"{self.msginfo}: final design", access.faults(self), set())
 
-    def _describe(self, end: SolverEnd, callbacks: SolverCallbacks) -> str:
+    def _describe(self, end: SolverEnd, callbacks: SolverCallbacks, stagnation: Stagnation) -> str:
         if callbacks.interrupted:
             return INTERRUPTED + (BEST_KEPT if callbacks.feasible else LEAST_KEPT)
         # failures are named even if the optimiser reports another reason
@@ -251,8 +259,15 @@ class OptimizerDriver(access.DriverHooks):
                 "tighten the bounds or start from another design. Last failure: "
                 f"{callbacks.evaluator.last_failure}"
             )
+        kept = BEST_KEPT if callbacks.feasible else LEAST_KEPT
         if end.limited:
-            return f"{end.message}; {BEST_KEPT if callbacks.feasible else LEAST_KEPT}"
+            return f"{end.message}; {kept}"
+        if stagnation and not end.success:
+            jumps = stagnation.jumps(callbacks.evaluator.layout)
+            return (
+                f"Stopped: the model jumps between the last {PATIENCE} designs, which are nearly the "
+                f"same: {jumps}; {kept}; tighten the bounds or start from another design"
+            )
         if end.success or not self.failed_analyses:
             return end.message
         return (
