@@ -10,6 +10,8 @@ from figures.tables import table
 from seal_mdao.plotting.style import CYCLE
 
 STORED = ROOT / "docs" / "benchmarks" / "error_estimates.json"
+CHOSEN = ROOT / "docs" / "benchmarks" / "chosen_particles.json"
+"""Seals with chosen particles, from ``tests/benchmarks/chosen_particles.py``."""
 SMALLEST = 1e-4
 """Relative error below which neither a table nor a figure needs it."""
 
@@ -34,8 +36,18 @@ def make(out: Path, reduced: bool) -> dict:
         ),
         "count": f"{within.sum()} of {len(rows)}",
         "count_larger": f"{(within & larger).sum()} of {larger.sum()}",
+        **_chosen(json.loads(CHOSEN.read_text(encoding="utf-8"))),
         "times": f"{min(times):.1f} to {max(times):.1f}",
     }  # fmt: skip
+
+
+def _chosen(stored: dict) -> dict:
+    """Number of examples with chosen particles, and their largest difference from half the spacing."""
+    away = [row["difference"] for own in stored.values() for row in own["errors"].values()]
+    return {
+        "chosen_seals": ", ".join(f"`{name}`" for name in stored),
+        "chosen_difference": f"{100.0 * max(away):.2g} %",
+    }
 
 
 def _rows(stored: dict):
