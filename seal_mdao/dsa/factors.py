@@ -29,7 +29,7 @@ def solve_transposed(problem: PathProblem, step: ConvergedStep, loads: np.ndarra
 def blocks(indices, n_equations: int, n_columns: int) -> list:
     """Consecutive pieces of ``indices``, as long as their vectors fit in ``BLOCK_BYTES``."""
     # 8 bytes a number
-    size = max(1, BLOCK_BYTES // (8 * n_equations * n_columns))
+    size = max(1, BLOCK_BYTES // (8 * n_equations * max(1, n_columns)))
     return [indices[first : first + size] for first in range(0, len(indices), size)]
 
 

@@ -1,5 +1,6 @@
 """Derivatives at a kink of contact are reported where they jump, and nowhere else."""
 
+import re
 import warnings
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.analyze import measured
 from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
 from seal_mdao.dsa.contact_kinks import contact_states, warn_of_kinks
@@ -16,7 +18,7 @@ BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
 START = "start = [0.0, 14.45]"
 
 
-def bulb(folder, start="start = [0.0, 14.5]", friction=0.25):
+def bulb(folder, start="start = [0.0, 14.5]", friction=0.25, changed=lambda text: text):
     """The bulb with coarse particles and a short path; after five steps of 0.1 mm its door is at the
     top, y = 14, and slides later."""
     text = BULB.replace("spacing = 0.9", "spacing = 1.6").replace(START, start)
@@ -26,7 +28,7 @@ def bulb(folder, start="start = [0.0, 14.5]", friction=0.25):
         "friction = 0.25", f"friction = {friction}\nnormal_penalty = 1e4\ntangent_penalty = 1e2"
     )
     path = folder / "bulb.toml"
-    path.write_text(text)
+    path.write_text(changed(text))
     return sm.build_seal(sm.read_seal_file(path))
 
 
@@ -61,6 +63,28 @@ def test_a_jump_of_the_derivative_is_reported_with_contact_step_and_points(kinke
     jump = np.abs(sides[1] - sides[0]).max()
     assert jump > 1e-3 * np.abs(exact).max()
     assert min(np.abs(side - exact).max() for side in sides) < 1e-2 * jump
+
+
+def test_a_summary_without_design_parameters_has_no_warning(kinked, tmp_path):
+    """Derivatives in material constants are written, too; who changes no design needs no advice."""
+    with pytest.warns(KinkWarning):
+        measured(sm.analyze(kinked))
+    fixed = bulb(tmp_path, changed=_without_design)
+    result = sm.analyze(fixed)
+    with pytest.warns(KinkWarning):
+        sm.differentiate(result)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = measured(result)["measures"]
+    assert found and all(own["value"] is not None for own in found.values())
+
+
+def _without_design(text):
+    """The text without its tables of design parameters and of the optimisation."""
+    tables = re.split(r"^(?=\[)", text, flags=re.MULTILINE)
+    return "".join(
+        own for own in tables if not own.startswith(("[[design", "[optimize", "[[optimize"))
+    )
 
 
 def test_off_the_kink_nothing_is_reported(tmp_path):
