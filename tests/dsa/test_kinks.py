@@ -76,7 +76,8 @@ def test_a_summary_without_design_parameters_has_no_warning(kinked, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = measured(result)["measures"]
-    assert found and all(own["value"] is not None for own in found.values())
+    assert found
+    assert all(own["value"] is not None for own in found.values())
 
 
 def _without_design(text):
