@@ -13,9 +13,9 @@ HEAD = """# Robustness of the optimisation
 
 This page tests how reliably the optimisers solve the problem of the paper, Eq. (71): minimise the
 squared gaps of the door seal with limits on area and stress. The cases are the problem of the paper,
-variants in which one factor is changed, 20 combinations of these factors, and {run} of {drawn} random
-cases. Each case is solved by every optimiser of {{mod}}`seal_mdao.optimization` with the settings of
-this package. The command
+variants in which one factor is changed, 20 combinations of these factors, and {run} of the
+{drawn} random cases defined below. Each case is solved by every optimiser of
+{{mod}}`seal_mdao.optimization` with the settings of this package. The command
 `python tests/benchmarks/optimization_matrix.py --workers 2 --page docs/optimisation_matrix.md` solves
 all cases and writes this page; after an interruption the same command continues.
 
@@ -39,7 +39,7 @@ LEGEND = """| factor | meaning |
 | start | seed of random initial offsets, within 0.2 mm unless given; paper: nominal seal |
 | `keep_force` | the final vertical reaction must stay within 10 % of that of the nominal seal |
 | `clamp_load` | the same limits for the vertical reaction at 2, 4, 6, 8 and 10 mm of travel |
-| `pressure_floor` | each contact region must have at least half the pressure of the nominal seal |
+| `pressure_floor` | mean pressure of each contact region: at least half of that in the nominal seal |
 | `stress_norm` | limit on the p-norm of the stress of all particles instead of seven stresses |
 | `gap_integral` | the objective is the integral of the squared gap instead of the sum over points |
 
