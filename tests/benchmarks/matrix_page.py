@@ -26,7 +26,8 @@ the complementarity products, computed in the same way for all optimisers by
 {{py:class}}`~seal_mdao.drivers.optimality.Optimality`. These limits and the distribution of the random
 cases were fixed before the first run, and each case is run once. The cost is the objective divided by
 that of the nominal seal. The lower bound of the cost is zero, so the cost of a result is an upper bound
-of the possible further improvement.
+of the possible further improvement. The nominal seal violates the stress limits, so the cost of a
+feasible design can exceed 100 %.
 
 """
 LEGEND = """| factor | meaning |
