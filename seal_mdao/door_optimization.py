@@ -121,8 +121,9 @@ def _require_gap(nominal: SealResult) -> None:
     largest = float(np.abs(nominal.gap).max(initial=0.0))
     if not largest > NEGLIGIBLE_GAP:
         raise ValueError(
-            f"the nominal seal has no gap between contact points of more than {NEGLIGIBLE_GAP} mm "
-            f"to minimise (largest gap {largest:.1g} mm); choose a larger depth or another door"
+            f"the nominal seal has no gap above {NEGLIGIBLE_GAP} mm between points in contact, so "
+            f"there is no gap to minimise (largest gap {largest:.1g} mm); choose a larger "
+            "depth or another door"
         )
 
 

@@ -90,8 +90,9 @@ def file_and_seal(
     if file.leaves_particles_open:
         if step_ends is not None or penalties is not None:
             raise SealFileError(
-                f"{file.path}: step_ends and penalties belong to particles, which [section] leaves "
-                "open by accuracy; give filling, too"
+                f"{file.path}: the arguments step_ends and penalties are valid only for the particles "
+                "for which they were chosen, but accuracy of [section] chooses new particles; give "
+                "the argument filling of the same run, too"
             )
         try:
             cloud = refine(file, report, callback)

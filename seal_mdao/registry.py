@@ -80,7 +80,7 @@ def register(kind: str, name: str, value=None):
     old = _registered.get((kind, name), new)
     if old.source != new.source or old.load().__qualname__ != value.__qualname__:
         raise ValueError(
-            f"{_what(kind)} {name!r} is already registered, from {old.source}; register it under "
+            f"the {_what(kind)} {name!r} is already registered, from {old.source}; register it under "
             "another name"
         )
     _checked(kind, name, new.source, value)
@@ -118,22 +118,22 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
         sources.insert(0, "seal_mdao itself")
     if len(sources) > 1:
         raise ValueError(
-            f"the name {name!r} of {_what(kind)} comes from {' and from '.join(sources)}; rename "
-            "or uninstall all but one"
+            f"the {_what(kind)} {name!r} comes from {' and from '.join(sources)}; rename or "
+            "uninstall all but one"
         )
     if not found:
         return None
     (own,) = found
     if not name.isidentifier():
         raise ValueError(
-            f"the name {name!r} of {_what(kind)} of {own.source} must be an identifier"
+            f"the name {name!r} of the {_what(kind)} of {own.source} must be an identifier"
         )
     try:
         value = own.load()
     except Exception as error:
         reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
         raise ValueError(
-            f"{_what(kind)} {name!r} of {own.source} cannot be loaded ({reason}); repair or "
+            f"the {_what(kind)} {name!r} of {own.source} cannot be loaded ({reason}); repair or "
             "uninstall it"
         ) from error
     return _checked(kind, name, own.source, value)
@@ -143,7 +143,7 @@ def _checked(kind, name, source, value):
     allowed, fits = CONTRACTS[kind]
     if not fits(value):
         shown = getattr(value, "__qualname__", repr(value))
-        raise ValueError(f"{_what(kind)} {name!r} of {source} must be {allowed}, got {shown}")
+        raise ValueError(f"the {_what(kind)} {name!r} of {source} must be {allowed}, got {shown}")
     return value
 
 

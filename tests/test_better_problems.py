@@ -94,5 +94,5 @@ def test_restart_settings_hold_every_flag(tmp_path):
 
 def test_gap_that_is_rounding_is_refused():
     """Under the flat door the points that open do so by less than a penalty leaves."""
-    with pytest.raises(ValueError, match="the nominal seal has no gap between contact points"):
+    with pytest.raises(ValueError, match="the nominal seal has no gap above"):
         door_task(sm.analyze(sm.door_seal(door="flat")))

@@ -172,7 +172,7 @@ def refine(
     raise ValueError(
         f"the estimated numerical error of {worst.name} is still {worst.error:.2%} with a spacing of "
         f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; admit a larger "
-        "error, or name fewer measures"
+        "error in accuracy of [section], or name fewer measures there"
     )
 
 
@@ -193,7 +193,8 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
         raise ValueError(
             f"the load steps and penalties of the file alone cause a numerical error of {worst.name} of "
             f"{worst.error - worst.particles:.2g} times its value, more than the admissible "
-            f"{worst.admissible:.2%}; leave them out of the file, so that they are chosen"
+            f"{worst.admissible:.2%}; leave steps, normal_penalty and tangent_penalty "
+            "out of the file, so that they are chosen automatically"
         )
     if before is None:
         return
@@ -208,8 +209,9 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
         raise ValueError(
             f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
             f"{error:.2%} with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; "
-            "values at sharp corners and at ends of fixed edges have no limit (away_from_singular of "
-            "[[measure]]); name other measures in accuracy"
+            "stresses and pressures at sharp corners and at ends of fixed edges do not converge; "
+            "exclude these points (away_from_singular of [[measure]]), or name other measures in "
+            "accuracy of [section]"
         )
 
 

@@ -191,13 +191,13 @@ class ComparedPaths:
         steps = {k: path.nominal_steps[int(end) - 1] for k, end in enumerate(ends, 1)}
         coarse = self.near(seal, Prolongation(path, steps, path.discretization))
         if not coarse.converged:
-            self.failure = f"in {seal.n_steps} load steps {coarse.failure}"
+            self.failure = f"an analysis in {seal.n_steps} load steps failed: {coarse.failure}"
             return False
         self.coarse = coarse
         steps = dict(enumerate(coarse.path.nominal_steps, 1))
         found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
         if not found.converged:
-            self.failure = f"with half of the spacing {found.failure}"
+            self.failure = f"an analysis with half of the spacing failed: {found.failure}"
             return False
         self.fine, self.failure = found, ""
         return True

@@ -157,19 +157,19 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
     there, hours = machine_memory(), most_hours()
     what = f"the analysis of {body.n_particles} particles in {n_steps} load steps needs about"
     fewer = (
-        "use fewer particles (rays, layers), Gauss points (quadrature of a seal file, n_gauss in "
-        "Python) or load steps (steps, n_steps)"
+        "use a larger particle spacing (spacing, or fewer rays and layers), fewer Gauss points "
+        "(quadrature of a seal file, n_gauss in Python) or fewer load steps (steps, n_steps)"
     )
     if cost.memory > there:
         raise TooLargeError(
-            f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or a "
-            "smaller kernel support (support)"
+            f"{what} {cost.memory:.3g} GiB, and this machine has {there:.3g} GiB; {fewer}, or in "
+            "Python a smaller kernel support (support)"
         )
     if cost.seconds > 3600.0 * hours:
         raise TooLargeError(
-            f"{what} {duration(cost.seconds)}, more than the limit of {hours:g} h; {fewer}, a "
-            "smaller kernel support (support), or raise the limit with the environment variable "
-            f"{HOURS} (hours)"
+            f"{what} {duration(cost.seconds)}, more than the limit of {hours:g} h; {fewer}, in "
+            "Python a smaller kernel support (support), or raise the limit with the environment "
+            f"variable {HOURS} (hours)"
         )
 
 

@@ -113,7 +113,7 @@ class MaterialTests:
             raise MaterialDataError(
                 f"{self.source}: {self.cycles}; a range of stretches cannot be selected from a "
                 "cyclic test, because the stress depends on the largest earlier stretch; leave out "
-                "the range"
+                "the range of stretches"
             )
         cut = {name: data.between(lower, upper) for name, data in self.modes.items()}
         cut = {name: data for name, data in cut.items() if data.stretch.size}

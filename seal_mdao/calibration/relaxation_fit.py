@@ -291,10 +291,11 @@ def _shift_function(model, x, name):
     if known.sum() < len(SHIFTS[name].names if name else Arrhenius.names):
         lost = np.array(model.shifted)[~known].tolist()
         raise MaterialDataError(
-            f"{model.tests.source}: the shift from {model.reference:g} to "
-            f"{', '.join(f'{t:g}' for t in lost)} °C cannot be determined, because these curves do "
-            "not overlap with the others or are flat; add tests at temperatures between them, or "
-            "earlier readings"
+            f"{model.tests.source}: the shift of the relaxation times from {model.reference:g} to "
+            f"{', '.join(f'{t:g}' for t in lost)} °C cannot be determined, because the relaxation "
+            "curves at these temperatures do not overlap with other curves, or their force does not "
+            "decrease by more than its scatter; add tests at temperatures between these, or readings "
+            "at shorter times"
         )
     own, degrees = np.array(own)[known], np.array(model.shifted)[known].tolist()
     # a factor is not more accurate than the resolution of a force

@@ -122,8 +122,8 @@ def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
     )
     if "particles" in summary["to_be_chosen"]:
         print(
-            "these are the particles with which the choice for accuracy starts: it analyses them and "
-            "smaller ones, and every time estimates the errors"
+            "the choice of particles for accuracy of [section] starts with this spacing: it repeats the "
+            "analysis and the error estimate with smaller spacings until the errors are admissible"
         )
     for text in summary["warnings"]:
         print(f"WARNING: {text}")

@@ -91,8 +91,8 @@ def meaningless_limits(result, measures) -> list[str]:
             found.append(
                 f"{label(measure.name)} of the optimisation is largest where "
                 f"{values.place(place)} undeformed, a point at which the stress is meaningless (see "
-                "the other warnings), so its limit has shaped the optimum without a physical reason; "
-                "leave the point out of it (away_from_singular of von_mises)"
+                "the other warnings), so the optimum depends on a limit without physical meaning; "
+                "exclude this point from the measure (away_from_singular of von_mises)"
             )
     return found
 

@@ -226,7 +226,7 @@ def arguments_parser():
     add(
         "--nominal", type=existing_file, metavar="FILE",
         help="summary.json of the nominal optimum; default: compute it first "
-        f"(reaction within {100 * FORCE_BAND:.0f} %%, pressure floor)",
+        f"(reaction within {100 * FORCE_BAND:.0f} %%, lower bound of the contact pressure)",
     )  # fmt: skip
     add_optimization_arguments(
         made, "continue the run recorded in CASES.sql, with the nominal optimum and the samples in "

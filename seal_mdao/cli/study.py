@@ -212,7 +212,7 @@ def report_failures(summary: dict) -> None:
     for name, found in summary["measures"].items():
         change = found["effect_of_failures"]
         print(
-            f"WARNING: to first order, their exclusion changes the mean of {name} by "
+            f"WARNING: to first order, the exclusion of failed samples changes the mean of {name} by "
             f"{change['mean']:+.3g}, its std by {change['std']:+.3g}, its 5 % quantile by "
             f"{change['q05']:+.3g} and its 95 % quantile by {change['q95']:+.3g} "
             f"{found['unit'] or ''}".rstrip()

@@ -189,10 +189,13 @@ class ModelEvaluator:
             driver.reused_evaluations += 1
             self._recorded.restore(recorded)
         # scaled values in the order of the driver
-        objective = flat(driver.get_objective_values())[0]
-        constraints = flat(driver.get_constraint_values())
-        if not (np.isfinite(objective) and np.isfinite(constraints).all()):
-            raise AnalysisError("the objective or a constraint is not finite (NaN or infinity)")
+        by_name = driver.get_objective_values(), driver.get_constraint_values()
+        objective, constraints = flat(by_name[0])[0], flat(by_name[1])
+        wrong = [name for own in by_name for name, x in own.items() if not np.isfinite(x).all()]
+        if wrong:
+            raise AnalysisError(
+                f"values of the objective or of constraints are not finite: {', '.join(wrong)}"
+            )
         return Evaluation(x, float(objective), constraints, self.layout.violation(constraints))
 
     def _note_failure(self, x, error: AnalysisError) -> None:

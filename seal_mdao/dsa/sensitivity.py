@@ -38,8 +38,8 @@ class Sensitivities:
             return self.__dict__["rows"][name]
         except KeyError:
             raise AttributeError(
-                f"derivatives of the measure {name!r} were not requested; add this measure to the "
-                "arguments of sensitivities"
+                f"derivatives of the measure {name!r} were not requested; add it to the "
+                "argument measures of differentiate"
             ) from None
 
 

@@ -123,7 +123,7 @@ class VentedAir(TrappedAir):
         elif any(own is not None for own in (self.closing_speed, self.travel, self.time)):
             raise ValueError(
                 f"the times of the load steps of the vented air {self.label!r} are already given "
-                "by the environment (durations of stages); leave out travel, time and closing_speed"
+                "by the durations of the stages; leave out travel, time and closing_speed"
             )
 
     @property

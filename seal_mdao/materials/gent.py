@@ -21,10 +21,10 @@ class Gent(FirstInvariant):
     shear_modulus : float
         G of the undeformed rubber, positive.
     limit : float
-        Jm, the x at which the stress grows without bound, positive; some 30 to 100 for rubbers. With
-        growing ``limit`` the law tends to the neo-Hookean one, its relative difference being x / Jm.
+        J_m, the value of x = I_1 - 3 (isochoric) at which the stress becomes infinite, positive; 30 to
+        100 for rubbers. With increasing ``limit`` the law approaches the neo-Hookean one.
     bulk_modulus : float
-        Of the projected volumetric energy, positive.
+        K of the volumetric energy K/2 (J - 1)^2 with the projected volume ratio J, positive.
     """
 
     shear_modulus: float = 200.0

@@ -28,7 +28,7 @@ class Hyperfoam(StretchPowers):
         Exponents, 1e-6 to 200 in size.
     nu : tuple of float
         Poisson's ratios, above -1 and below 1/2; the initial bulk modulus is
-        sum 2 mu (1/3 + nu / (1 - 2 nu)). At zero a stretch gives no stress across it.
+        sum 2 mu (1/3 + nu / (1 - 2 nu)). At zero a stretch causes no lateral stress.
     """
 
     mu: tuple[float, ...]

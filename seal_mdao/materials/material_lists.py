@@ -43,7 +43,7 @@ def dense_rubbers() -> MaterialList:
         ),
         (
             "Neo-Hookean; Young's modulus by A. N. Gent, Rubber Chemistry and Technology 31 (1958) 896.",
-            f"Compounds of one hardness scatter by {SCATTER:.0%} about it; tests are better.",
+            f"Moduli of compounds of one hardness scatter by {SCATTER:.0%}; tests are more accurate.",
             _range(ShoreRubber),
             "Bulk modulus 1 GPa (P. B. Lindley, Engineering Design with Natural Rubber, 1978: 1.0 to "
             "1.33 GPa).",
@@ -66,8 +66,8 @@ def sponges() -> MaterialList:
         ),
         (
             "Hyperfoam of one term in the middle of the grade, alpha_1 = 2 and nu_1 = 0 by assumption: "
-            "a grade is one number.",
-            "The width of the grade is the scatter: vary mu_1 by a factor in [tolerance].",
+            "a grade determines one constant only.",
+            "The pressure range of a grade is its scatter: vary mu_1 by a factor in [tolerance].",
             _range(GradedSponge),
             "Tension and lateral strain are not part of the specification; where they matter fit "
             "hyperfoam to tests.",

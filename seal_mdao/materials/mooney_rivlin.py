@@ -77,6 +77,7 @@ class MooneyRivlin(Isotropic):
     c10, c01 : float
         Mooney-Rivlin constants, initial shear modulus 2 (c10 + c01).
     bulk_modulus : float
+        K of the volumetric energy K/2 (J - 1)^2 with the projected volume ratio J, positive.
     """
 
     c10: float = 80.0

@@ -17,7 +17,7 @@ class NeoHookean(FirstInvariant):
     c10 : float
         Half the shear modulus, positive.
     bulk_modulus : float
-        Of the projected volumetric energy, positive.
+        K of the volumetric energy K/2 (J - 1)^2 with the projected volume ratio J, positive.
     """
 
     c10: float = 100.0

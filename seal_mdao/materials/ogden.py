@@ -23,7 +23,7 @@ class Ogden(StretchPowers):
     alpha : tuple of float
         Exponents, 1e-6 to 200 in size.
     bulk_modulus : float
-        Of the projected volumetric energy, positive.
+        K of the volumetric energy K/2 (J - 1)^2 with the projected volume ratio J, positive.
     """
 
     mu: tuple[float, ...]

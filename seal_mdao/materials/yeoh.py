@@ -17,10 +17,10 @@ class Yeoh(FirstInvariant):
     c10 : float
         Half the initial shear modulus, positive.
     c20, c30 : float
-        Change of the shear modulus with the distortion; c20 is mostly negative (softening at medium
-        strain) and c30 positive. W_T must stay positive where the rubber is strained to.
+        Coefficients of x^2 and x^3 in W, with x = I_1 - 3 (isochoric); c20 is mostly negative
+        (softening at medium strain) and c30 positive. dW/dx must be positive at all strains that occur.
     bulk_modulus : float
-        Of the projected volumetric energy, positive.
+        K of the volumetric energy K/2 (J - 1)^2 with the projected volume ratio J, positive.
     """
 
     c10: float = 100.0

@@ -116,7 +116,7 @@ class ContactPressure(Measure):
     name: str = "contact_pressure"
     units = "kPa"
     text = (
-        "True contact pressure of each group of contact points (patch): a mean of high order, "
+        "True contact pressure of each contact region: a mean of high order, "
         "slightly below the peak."
     )
 

@@ -170,13 +170,13 @@ def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]
             found.append(f"{hidden} describe its kind of seal.")
         elif not seal.drawable:
             found.append(
-                f"{hidden} hold what its inputs were. Record with <code>sm.RestartRecorder</code>, or "
+                f"{hidden} contain its inputs. Record with <code>sm.RestartRecorder</code>, or "
                 f"with {RECORD_ALL}."
             )
         elif seal.assumed:
             found.append(
-                f"The file does not hold {assumed} of {name}: the pictures are those with the values of "
-                f"the nominal seal. Record with {RECORD_ALL}."
+                f"The file does not contain {assumed} of {name}: the pictures show the values of the "
+                f"nominal seal. Record with {RECORD_ALL}."
             )
     found += [
         f"The analyses of {escape(seal.name)} for this report do not give the recorded values of "

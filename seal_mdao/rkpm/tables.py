@@ -255,7 +255,8 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
         x, y = coordinates[singular]
         raise SingularMomentMatrixError(
             f"the RKPM moment matrix is singular at ({x:.4g}, {y:.4g}): too few kernel supports "
-            "cover this point; use a larger support"
+            "cover this point; use a larger kernel support (support of the door seal and of Kernels, "
+            "support_radius of a mesh file), or smaller boundary offsets"
         )
     if points.hooped:
         rows = np.empty(3 * size)

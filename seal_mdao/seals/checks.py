@@ -278,7 +278,7 @@ def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> st
     # names of the edges of both sides, at the deepest overlap and wherever there is no contact
     match _edges_of(samples, sides[worst]):
         case []:
-            which = "its parts there"
+            which = "the parts of the boundary there"
         case [edge]:
             which = f"parts of the edge {edge!r}"
         case [edge, other]:
@@ -286,7 +286,8 @@ def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> st
     if touching[worst]:
         return (
             f"the self-contact between {which} does not prevent it; use a larger penalty of "
-            "[self_contact], more particles along them (edge_spacing of [section]), or less travel"
+            "[self_contact], a smaller particle spacing on these edges (edge_spacing of [section]), "
+            "or less travel"
         )
     known = [
         name

@@ -39,9 +39,9 @@ def creases(samples: EvaluationPoints) -> str:
     point = samples.undeformed[chains[worst, chains.shape[1] // 2]]
     return (
         f"the free surface is compressed to {stretch[worst]:.2g} of its length where "
-        f"{values.place(point)} undeformed: below {CREASES:.2g} rubber forms creases, which coarse "
-        "particles do not resolve, so an analysis with finer particles may give another force or "
-        "fail; use a larger radius at this point, or less travel"
+        f"{values.place(point)} undeformed: below {CREASES:.2g} rubber forms creases, which a large "
+        "particle spacing does not resolve, so an analysis with a smaller spacing may give another "
+        "force or fail; use a larger radius at this point, or less travel"
     )
 
 

@@ -78,7 +78,11 @@ class Instability:
         )
         if self.crossed:
             lost = ", where the boundary crosses itself, so that no energy is given"
-        why = "the branch of equilibria ends" if self.kind == "limit" else "equilibrium branches"
+        why = (
+            "the branch of equilibria ends"
+            if self.kind == "limit"
+            else "the branch of equilibria bifurcates"
+        )
         return (
             f"{why} at {place}: the seal snaps to the next stable equilibrium, {self.moved:.2g} mm "
             f"away{lost}"

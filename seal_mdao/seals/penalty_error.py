@@ -241,8 +241,8 @@ def warnings_of(result) -> tuple[str, ...]:
     unknown = not_estimable(result.penalty_error)
     if unknown:
         lines.append(
-            f"the numerical error due to the contact penalties is {unknown}, or the penalties are "
-            "far too small; repeat the analysis with ten times the penalties and compare"
+            f"numerical error due to the contact penalties: {unknown}, or the penalties are far too "
+            "small; repeat the analysis with ten times the penalties and compare"
         )
     return tuple(lines)
 
@@ -256,8 +256,8 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
     said = f"the contact penalties permit penetration, which makes {changes}, as estimated"
     if chosen_penalties(result.seal):
         return (
-            f"{said}, but with higher penalties than those chosen convergence is poor; use less "
-            "travel, smaller load steps or a finer spacing in the contact zone"
+            f"{said}; with penalties larger than those chosen the iterations converge poorly; use "
+            "less travel, smaller load steps or a finer spacing in the contact zone"
         )
     cures = []
     # error ~ 1/w: w_new = w (error / CURED)

@@ -260,7 +260,7 @@ class SealResult:
         done, damped = len(self.path.nominal_steps), self.path.damped
         # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
-        lost += f" The last of them was at {self.caption(done - 1)}." if done else ""
+        lost += f" The last converged load step was at {self.caption(done - 1)}." if done else ""
         # a fold of a free surface ends the path whatever the load steps and penalties are
         folded = creases(EvaluationPoints(self.path)) if done else ""
         advice = f"At the last converged load step {folded}" if folded else ADVICE

@@ -165,7 +165,7 @@ def test_all_distances_are_multiplied():
         ('"1 %"', '"1"', "a percentage above 0 and at most 50"),
         ("spacing = 0.8", 'cloud = "a.vtu"', "accuracy can only be combined with spacing"),
         ("spacing = 0.8", "rays = { rays = 8, layers = 4 }", "accuracy can only be combined with"),
-        (r"\[\[measure\]\][^[]*", "", "the file has none; add a \\[\\[measure\\]\\]"),
+        (r"\[\[measure\]\][^[]*", "", "the file has no \\[\\[measure\\]\\]; add one"),
     ],
 )
 def test_wrong_keys(old, new, text, tmp_path):
@@ -239,11 +239,11 @@ def test_within_the_admissible_error(chosen):
 def test_wrong_filling(chosen, tmp_path):
     file, seal, _, _ = chosen
     found = chosen_for(file, seal)
-    with pytest.raises(sm.SealFileError, match=r"\[section\] has no accuracy; leave it out"):
+    with pytest.raises(sm.SealFileError, match=r"\[section\] has no accuracy; leave out filling"):
         sm.build_seal(cord(tmp_path), filling=found["filling"])
     with pytest.raises(sm.SealFileError, match="with spacing, layers and edge_spacing"):
         sm.build_seal(file.path, filling={"spacing": 0.3})
-    with pytest.raises(sm.SealFileError, match="give filling, too"):
+    with pytest.raises(sm.SealFileError, match="give the argument filling of the same run, too"):
         sm.build_seal(file.path, step_ends=[1.0])
 
 

@@ -224,10 +224,10 @@ def test_flat_curves_have_no_shift():
     curves = [(time, relaxed(time, np.array([0.3]), np.array([60.0])), 20.0, "a")]
     curves.append((time, 0.5 + 1e-3 * np.random.default_rng(2).normal(size=20), 100.0, "b"))
     text = refused(curves)
-    assert "the shift from 20 to 100 °C cannot be determined" in text
+    assert "the shift of the relaxation times from 20 to 100 °C cannot be determined" in text
     # nor from the flat one
     text = refused(curves, reference=100.0)
-    assert "the shift from 100 to 20 °C cannot be determined" in text
+    assert "the shift of the relaxation times from 100 to 20 °C cannot be determined" in text
 
 
 @pytest.mark.parametrize(

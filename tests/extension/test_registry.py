@@ -95,7 +95,7 @@ def test_an_entry_point_that_fails_to_load_names_its_distribution(install, tmp_p
     install("rubber_laws", "rubber_bad", "import no_such_module", "friction_laws",
             "capped = rubber_bad:capped")  # fmt: skip
     assert message(tmp_path, GIVEN, CAPPED) == (
-        "[[profile]] 1 ('roll'): friction: friction law 'capped' of the distribution "
+        "[[profile]] 1 ('roll'): friction: the friction law 'capped' of the distribution "
         "'rubber_laws' cannot be loaded (ModuleNotFoundError: No module named 'no_such_module'); "
         "repair or uninstall it"
     )

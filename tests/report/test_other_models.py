@@ -111,7 +111,7 @@ def test_inputs_that_no_recorder_has_noted_are_said_to_be_unknown(tmp_path):
     path, _ = ran(upstream, tmp_path, om.SqliteRecorder)
     text, data = shapes(path)
     assert data["shapes"] is None
-    assert "The shapes of rubber are not shown: the file does not hold what its inputs were" in text
+    assert "The shapes of rubber are not shown: the file does not contain its inputs" in text
     advice = 'driver.recording_options["includes"] = ["*"]'
     with pytest.raises(ValueError, match=re.escape(advice)):
         read_optimization(path).design_at(0)
@@ -140,7 +140,7 @@ def test_promoted_design_variables_in_other_units_with_openmdaos_recorder(tmp_pa
     np.testing.assert_allclose(offsets, problem.get_val("boundary_offsets", units="mm"), rtol=1e-12)
     assert parameters == {"door_radius": problem.get_val("door_radius", units="mm")[0]}
     text, _ = shapes(path)
-    assert "The file does not hold friction of seal" in text
+    assert "The file does not contain friction of seal" in text
 
 
 def test_history_of_a_door_seal_without_its_radius(tmp_path, run_script):

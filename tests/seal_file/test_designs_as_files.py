@@ -292,7 +292,7 @@ def test_the_cloud_of_a_section_with_a_hole_does_not_fill_one_without(bulb, tmp_
             "the key places contains indices of particles, which",
         ),
         ("places = [", "places = [700, ", "places contains the index 700, but there are only"),
-        ("places = [", "places = [-1, ", "a list of indices of particles, from 0"),
+        ("places = [", "places = [-1, ", "a list of indices, from 0"),
     ],
 )
 def test_wrong_files_take_one_line(old, new, word, bulb):

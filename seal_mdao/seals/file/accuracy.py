@@ -37,8 +37,8 @@ def with_tolerances(file: SealFile) -> SealFile:
     names = [measure.name for measure in file.measures]
     if not names:
         raise SealFileError(
-            "[section]: accuracy is that of measures, but the file has none; add a [[measure]], "
-            'such as type = "reaction"'
+            "[section]: accuracy limits the numerical error of measures, but the file has no "
+            '[[measure]]; add one, such as type = "reaction"'
         )
     admissible = admissible_errors(file)
     for name in admissible:
@@ -67,12 +67,13 @@ def with_filling(file: SealFile, filling: dict) -> SealFile:
     """
     if file.section.accuracy is None:
         raise SealFileError(
-            f"{file.path}: filling cannot be given, because [section] has no accuracy; leave it out"
+            f"{file.path}: the argument filling (chosen particles) cannot be given, because [section] "
+            "has no accuracy; leave out filling"
         )
     if not isinstance(filling, dict) or set(filling) != {"spacing", "layers", "edge_spacing"}:
         raise SealFileError(
-            f"{file.path}: filling must be a dict with spacing, layers and edge_spacing, got "
-            f"{filling!r}"
+            f"{file.path}: the argument filling must be a dict with spacing, layers and "
+            f"edge_spacing, got {filling!r}"
         )
     section = replace(
         file.section, spacing=values.real("spacing", filling["spacing"], above=0.0),

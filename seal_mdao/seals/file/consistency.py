@@ -451,11 +451,11 @@ def _check_bodies_held(file, gaps) -> None:
         first = contours[0].edge_names[0]
         what = f"body {number} (edge {first!r})" if outline.others else "the section"
         missing = "[fixed] has no edge of this body" if fixed else "[fixed] is missing"
-        nearest = "no profile may touch it at a particle "
+        nearest = "no profile may touch it at a particle"
         if own:
-            nearest = f"the nearest one is {min(own):.3g} mm away "
+            nearest = f"the nearest one is {min(own):.3g} mm away"
         raise SealFileError(
             f"{missing}, so profiles must support {what}, but none touches it at the start: "
-            f"{nearest}(end a segment of the boundary at the point of first contact, so that a "
-            "particle lies there)"
+            f"{nearest}; start it in contact, at a point at which a segment of the boundary ends "
+            "(a particle lies there), or fix an edge ([fixed])"
         )

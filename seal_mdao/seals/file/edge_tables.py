@@ -161,7 +161,7 @@ class FluidTable(Table):
     )
     name: Name = key("prefix of the name of its parameter, such as fluid_pressure", "fluid")
     share: number(above=0.0, most=1.0) = key(
-        "a point is dry if the contact pressure exceeds 1 + share times the pressure of the fluid",
+        "a point is dry if the contact pressure exceeds (1 + share) times the pressure of the fluid",
         SHARE,
     )
 
@@ -275,7 +275,7 @@ TERM_NAME = "prefix of the names of its parameters; default: its type"
 
 @table(kw_only=True)
 class TermTable(Table):
-    """Term of another package, given by its name; further keys are the fields of its definition."""
+    """User-defined load or contact, given by its type; its further keys are those of its class."""
 
     type: Text = key("name of the user-defined load or contact (term)")
     name: Name | None = key(TERM_NAME, None)

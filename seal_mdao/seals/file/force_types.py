@@ -80,7 +80,7 @@ class ReactionTable(OfProfile):
         None,
     )
     stage: Stages | None = key("instead of travel: ends of stages", None)
-    time: Times | None = key("instead of travel: times of a seal that relaxes", None)
+    time: Times | None = key("instead of travel: times, for a seal whose material relaxes", None)
     length: number("mm", above=0.0) | None = key(
         "length of the seal for a force in N; default: force per length in N/m", None
     )

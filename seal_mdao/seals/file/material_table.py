@@ -154,7 +154,9 @@ class LawTable(MaterialTable):
 class FitTable(LawTable):
     """Material whose constants are fitted to tests."""
 
-    data: Text = key("file of tests, relative to this one, to which the constants are fitted")
+    data: Text = key(
+        "file of material tests, to which the constants are fitted; path relative to the seal file"
+    )
     weighting: one_of(*WEIGHTINGS) = key(
         "differences that the fit minimises: relative or absolute", "relative"
     )
@@ -197,7 +199,7 @@ def _fit_table(name: str) -> type[Table]:
     keys = {"law": (one_of(name), key("name of the law"))}
     # tests of nearly incompressible rubber do not determine its bulk modulus
     if name != "hyperfoam":
-        text = "bulk modulus of the law, which such tests do not determine"
+        text = "bulk modulus of the law, which material tests do not determine"
         keys["bulk_modulus"] = number("kPa", above=0.0), key(text, 80_000.0)
     if name in OF_TERMS:
         keys["terms"] = whole(1, MAX_TERMS), key("number of terms of the law", 1)

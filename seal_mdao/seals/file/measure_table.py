@@ -16,7 +16,7 @@ from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.forms import Form, Name, Text, many, one_of, whole
 from seal_mdao.seals.file.schema import Table, key, known, table
 
-Places = many(whole(0, 10**6), "a list of indices of particles, from 0")
+Places = many(whole(0, 10**6), "a list of indices, from 0")
 TypeName = Annotated[str, Form("the name of a type")]
 
 
@@ -129,7 +129,9 @@ class OfProfile(MeasureTable):
 class AtPlaces(OfProfile):
     """A measure at contact points of a profile."""
 
-    places: Places | None = key("with a cloud: indices of contact points", None)
+    places: Places | None = key(
+        "with a cloud: indices of the contact points at which gaps are taken", None
+    )
 
 
 def nearest(point, particles: np.ndarray) -> int:

@@ -37,7 +37,7 @@ from seal_mdao.seals.file.sealing_tables import KINDS
 from seal_mdao.seals.outline.walls import fault_of_wall
 
 # lists of contact points; orders of p-norms; points
-Patches = many(Places, "a list of such lists, one for every patch")
+Patches = many(Places, "a list of lists of indices, one for every contact region")
 Order = whole(2, 1000)
 Sites = many(Point, "a list of points [[x, y], ...] (mm)")
 
@@ -153,29 +153,31 @@ simple_kind(
 
 @kind("peak_pressure", PeakPressure)
 class PeakPressureTable(OfProfile):
-    """Peak of the true contact pressure, as a mean of high order below it."""
+    """Smooth lower bound of the peak of the true contact pressure (mean of high order)."""
 
     order: Order | None = key("order of the mean", None)
 
 
 simple_kind(
     "nominal_peak_pressure", partial(PeakPressure, nominal=True), PeakPressureTable,
-    "Peak of the nominal contact pressure, as a mean of high order below it.",
+    "Smooth lower bound of the peak of the nominal contact pressure (mean of high order).",
 )  # fmt: skip
 
 
 @kind("contact_pressure", lambda profile, places=None, **a: ContactPressure(profile, places, **a))
 class ContactPressureTable(OfProfile):
-    """True contact pressure of each patch, as a mean of high order."""
+    """True contact pressure of each contact region, as a mean of high order."""
 
     order: Order | None = key("order of the mean", None)
-    places: Patches | None = key("with a cloud: indices of contact points for every patch", None)
+    places: Patches | None = key(
+        "with a cloud: indices of contact points of every contact region", None
+    )
     single = False
 
 
 simple_kind(
     "nominal_contact_pressure", partial(ContactPressureTable.makes, nominal=True),
-    ContactPressureTable, "Nominal contact pressure of each patch, as a mean of high order.",
+    ContactPressureTable, "Nominal contact pressure of each contact region, as a mean of high order.",
 )  # fmt: skip
 
 
@@ -266,7 +268,9 @@ class VonMisesTable(MeasureTable):
     count: whole(1, 1000) | None = key(
         "number of the largest maxima along the boundary of the nominal seal", None
     )
-    places: Places | None = key("with a cloud: indices of particles", None)
+    places: Places | None = key(
+        "with a cloud: indices of the particles at which the stress is taken", None
+    )
 
     @model_validator(mode="after")
     def _one_choice(self):

@@ -113,7 +113,7 @@ class ProfileTable(Staged, SegmentTable):
     shape: Annotated[ShapeTable, Extensible("profiles", "type", _extension)] | None = key(
         "instead of a curve: a shape of an extension, with parameters such as door_a", None
     )
-    start: Place = key("position of its origin at the start", (0.0, 0.0))
+    start: Place = key("position of the origin of its coordinates at the start", (0.0, 0.0))
     angle: Angle = key("rotation about the pivot at the start", 0.0)
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
     normal_penalty: Penalty | None = key(

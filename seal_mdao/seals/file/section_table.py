@@ -76,10 +76,11 @@ class RaysTable(Table):
     """Particles on radial rows from a centre, for an annular wall."""
 
     rays: whole(8, 100_000) = key("number of radial rows; the first one points straight down")
-    layers: whole(2, 1000) = key("particles across the wall; 4 is a suitable start")
+    layers: whole(2, 1000) = key("number of particles across the wall; 4 is a suitable value")
     centre: Point = key("origin of the radial rows", (0.0, 0.0))
     accuracy: one_of(*LEAST_LAYERS) = key(
-        "setting that determines kernels, basis, pressure and contact", Rays.accuracy
+        "setting of kernels, polynomial basis, interpolation of the pressure and contact points",
+        Rays.accuracy,
     )
 
     @model_validator(mode="after")
@@ -121,7 +122,8 @@ class WrittenSection(Table):
     )
     accuracy: Percentages | None = key(
         "largest admissible estimated error of all measures or of named ones; spacing, layers, "
-        "edge_spacing, and open load steps and penalties are chosen for it, starting from those given",
+        "edge_spacing, and load steps and penalties that the file does not give are chosen for it; "
+        "given values of spacing, layers and edge_spacing are the start",
         None,
     )
     layers: whole(3, MOST_LAYERS) | None = key(
@@ -137,10 +139,14 @@ class WrittenSection(Table):
         None,
     )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
-    cloud: Text | None = key("instead of spacing: mesh file, relative to this file", None)
+    cloud: Text | None = key(
+        "instead of spacing: mesh file; its path is relative to the seal file", None
+    )
     outer: rows(OuterTable) | None = key("segments of the outer contour", None)
     hole: rows(HoleTable) | None = key("segments of the contours of holes", None)
-    dxf: Text | None = key("drawing, relative to this file, instead of outer and hole", None)
+    dxf: Text | None = key(
+        "instead of outer and hole: drawing; its path is relative to the seal file", None
+    )
     units: one_of(*MODEL_UNITS) | None = key(
         "unit of length of a drawing whose header has none", None
     )

@@ -22,9 +22,12 @@ _WITHOUT_HISTORY = {
 class SofteningTable(Table):
     """Softening (Mullins effect) by the law of Ogden and Roxburgh, as in Abaqus."""
 
-    r: number(above=1.0, most=MOST) = key("limit of the softening: eta is at least 1 - 1/r")
+    r: number(above=1.0, most=MOST) = key(
+        "limit of the softening: the factor eta of the stress is at least 1 - 1/r"
+    )
     m: number("kPa", least=0.0, most=MOST) = key(
-        "scale of the energy per volume below the largest one over which the rubber softens"
+        "energy per volume in eta = 1 - erf((W_max - W) / (m + beta W_max)) / r; W_max: largest "
+        "strain energy so far"
     )
     beta: number(least=0.0, most=MOST) = key(
         "fraction of the largest energy that is added to m; m and beta must not both be 0", 0.0

@@ -14,6 +14,15 @@ from seal_mdao.values import formatted
 
 TRAVEL = "_travel"
 """Ending of the names of travels, which are no parameters of a seal."""
+NUMBERS = {
+    "low": "smallest value",
+    "likely": "most probable value",
+    "high": "largest value",
+    "mean": "mean value before truncation by cut",
+    "std": "standard deviation before truncation by cut",
+    "cut": "values farther than cut standard deviations from the mean are rejected",
+}
+"""Meaning of the numbers of all distributions."""
 
 
 @table(kw_only=True)
@@ -22,8 +31,8 @@ class VaryTable(Table):
 
     distribution: one_of(*DISTRIBUTIONS) = key("distribution of the parameter")
     kind: one_of(*KINDS) | None = key(
-        "whether the number is the value of the parameters, a shift or a factor; default: "
-        "value, and the range must then include the present value",
+        "whether a random number replaces the value of the parameters (value, the default, whose "
+        "range must include the nominal value), is added to it (shift) or multiplies it (factor)",
         None,
     )
     parameters: Names = key(
@@ -47,7 +56,7 @@ class VaryTable(Table):
 class BoundaryTable(Table):
     """Random error of an extruded boundary."""
 
-    std: number("mm", above=0.0) = key("root mean square of the error")
+    std: number("mm", above=0.0) = key("standard deviation of the error along the normal")
     length: number("mm", above=0.0) = key("correlation length along the boundary")
 
 
@@ -57,7 +66,7 @@ def _vary_table(name: str) -> type[Table]:
     keys = {"distribution": (one_of(name), key("distribution of the parameter"))}
     for own in fields(DISTRIBUTIONS[name]):
         default = () if own.default is MISSING else (own.default,)
-        keys[own.name] = number(), key(f"of the {name} distribution", *default)
+        keys[own.name] = number(), key(NUMBERS[own.name], *default)
     return table_of(VaryTable, f"{DISTRIBUTIONS[name].__name__}Table", keys)
 
 
@@ -71,7 +80,7 @@ class ToleranceTable(Table):
     """Tolerances: parameters that vary between seals, and errors of the boundary."""
 
     vary: dict[str, AnyVary] = key("parameters that vary, one table each", {})
-    boundary: BoundaryTable | None = key("random error of the edges that may move", None)
+    boundary: BoundaryTable | None = key("random error of the edges of [[design]]", None)
 
     @field_validator("vary", mode="before")
     @classmethod

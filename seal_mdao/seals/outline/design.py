@@ -93,7 +93,7 @@ def _require_supported(sampled, columns, supports, remedy: str) -> None:
         which = sampled.indices(name)
         which = which if len(components) == 2 else which[[0, -1]]
         if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
-            what = "is fixed" if len(components) == 2 else "stays in its plane"
+            what = "is fixed" if len(components) == 2 else "can move only along its own line"
             raise ValueError(
                 f"the design parameter would move the edge {name!r}, which {what}; {remedy}"
             )

@@ -257,9 +257,9 @@ def _across(sampled, offsets: dict, names, across) -> dict:
         for end in (0, -1):
             if sampled.is_still(sampled.stretches[name], end) and np.abs(own[:, end]).max() > SAME:
                 raise ValueError(
-                    f"the edge {name!r} ends at an edge that does not move, but the design would "
-                    "move this end with the wall; choose a part of the wall (between) that ends "
-                    "before this point"
+                    f"the edge {name!r} (opposite) ends at an edge that does not move, but the "
+                    "design would move this end with the edges on the other side of the wall; choose "
+                    "a part of them (between) that ends before this point"
                 )
         found[name] = own
     return found
