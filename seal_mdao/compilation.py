@@ -33,12 +33,12 @@ from numba.extending import register_jitable
 from platformdirs import user_cache_path
 
 MESSAGE = (
-    "seal_mdao: compiling its kernels (10 to 20 s, longer when busy); later runs find them ..."
+    "seal_mdao: compiling numerical code (10 to 20 s, longer when busy), which later runs reuse ..."
 )
 ANNOUNCED = "SEAL_MDAO_COMPILATION_ANNOUNCED"
 """Environment variable set by the process that printed the message; its child processes print none."""
 
-DAMAGED = "seal_mdao: {path} of its compiled kernels is damaged; it is compiled again ..."
+DAMAGED = "seal_mdao: {path} (compiled code) is damaged; it is compiled again ..."
 DAMAGE_ANNOUNCED = "SEAL_MDAO_DAMAGE_ANNOUNCED"
 """Environment variable set by the process that printed ``DAMAGED``."""
 

@@ -75,7 +75,7 @@ def test_damaged_kernel_is_compiled_again_with_one_line(tmp_path, ending, kind):
         damage(path, kind)
     (line,) = written(KERNEL, tmp_path).splitlines()
     assert line.startswith(f"seal_mdao: {tmp_path}")
-    assert line.endswith("of its compiled kernels is damaged; it is compiled again ...")
+    assert line.endswith("(compiled code) is damaged; it is compiled again ...")
     assert written(KERNEL, tmp_path) == ""
 
 

@@ -351,7 +351,9 @@ def report(result: SealResult, summary: dict) -> None:
             around = f" ({', '.join(around)} N/mm)" if around else ""
             if found["unit"] == "s" and np.all(np.asarray(found["value"]) >= 120.0):
                 around = f" ({', '.join(map(duration, np.atleast_1d(found['value'])))})"
-            at = f", at {place(found['at_mm'])} undeformed" if "at_mm" in found else ""
+            at = (
+                f", at {place(found['at_mm'])} (undeformed coordinates)" if "at_mm" in found else ""
+            )
             print(f"{name} = {value} {found['unit'] or ''}".rstrip() + around + at)
     if result.converged:
         print_penalty_errors(result)
@@ -362,7 +364,7 @@ def stress_line(summary: dict) -> str:
     elsewhere."""
     text = (
         f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at "
-        f"{place(summary['largest_von_mises_at_mm'])} undeformed"
+        f"{place(summary['largest_von_mises_at_mm'])} (undeformed coordinates)"
     )
     where = summary["largest_von_mises_singular_at"]
     if where is None:

@@ -45,7 +45,7 @@ translate = [0.0, -2.7]  # the plate touches after 0.2 mm
 type = "contact_width"
 [[measure]]
 type = "von_mises"
-away_from_singular = 0.7  # mm from ends of fixed edges and sharp corners, where it is infinite
+away_from_singular = 0.7  # mm from ends of fixed edges and sharp corners (infinite stress)
 
 # What an optimisation may change: 6 control points along the inside, by at most 0.4 mm.
 [[design]]

@@ -89,10 +89,11 @@ def meaningless_limits(result, measures) -> list[str]:
         near = np.sort(np.hypot(*(result.particles - place).T))[:2]
         if any(np.hypot(*(place - own)) <= NEAR * near.sum() for own in points):
             found.append(
-                f"{label(measure.name)} of the optimisation is largest where "
-                f"{values.place(place)} undeformed, a point at which the stress is meaningless (see "
-                "the other warnings), so the optimum depends on a limit without physical meaning; "
-                "exclude this point from the measure (away_from_singular of von_mises)"
+                f"{label(measure.name)} of the optimisation is largest at "
+                f"{values.place(place)} (undeformed coordinates), a point at which the "
+                "stress is meaningless (see the other warnings), so the optimum depends on a "
+                "limit without physical meaning; exclude this point from the measure "
+                "(away_from_singular of von_mises)"
             )
     return found
 

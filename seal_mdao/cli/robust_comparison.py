@@ -59,7 +59,7 @@ def report_comparison(designs: list[SampledDesign], subject: Subject) -> None:
     for design in designs:
         cost = design.summary(())[design.cost]
         print(
-            f"{design.label}, {design.samples} fresh samples, {design.failed} failed: "
+            f"{design.label}, {design.samples} new samples, {design.failed} failed: "
             f"{label(design.cost)} mean {cost['mean']:.4g}, median {cost['q50']:.4g}, 95 % below "
             f"{cost['q95']:.4g}"
         )

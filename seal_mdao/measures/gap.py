@@ -130,7 +130,7 @@ class OpenGapSquareSum(BetweenContacts):
 
     name: str = "gap_square_sum"
     units = "mm**2"
-    text = "Sum of the squared gaps between the first and the last contact."
+    text = "Sum of the squared gaps between the first and the last contact point."
 
     def on_refined(self, fine, particles):
         # twice as many particles give twice the sum
@@ -158,7 +158,7 @@ class LargestGap(BetweenContacts):
     order: int = NORM_ORDER
     name: str = "largest_gap"
     units = "mm"
-    text = "Largest gap between the first and the last contact, an upper bound."
+    text = "Smooth upper bound of the largest gap between the first and the last contact point."
 
     def evaluate(self, result, partials):
         points, gap = self.open_gaps(result)
@@ -174,8 +174,8 @@ class GapSquareIntegral(BetweenContacts):
     name: str = "gap_square_integral"
     units = "mm**3"
     text = (
-        "Integral of the squared gap between the first and the last contact, nearly independent of "
-        "the particle spacing."
+        "Integral of the squared gap between the first and the last contact point, nearly independent "
+        "of the particle spacing."
     )
 
     def evaluate(self, result, partials):

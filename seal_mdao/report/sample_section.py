@@ -43,7 +43,7 @@ def samples_section(designs: list[SampledDesign], limits, cost: str, figure: Fig
         note = f"In brackets: intervals of {percent(CONFIDENCE)} confidence. {NOTE}"
     rows.append(["samples that could not be analysed", *(str(own.failed) for own in designs)])
     heads = ["", *(design.label for design in designs)]
-    caption = f"On {designs[0].samples} fresh samples of all tolerances"
+    caption = f"On {designs[0].samples} new samples of all tolerances"
     return (
         '<section aria-labelledby="samples-title"><h2 id="samples-title">Scatter by tolerances</h2>'
         f'<div class="tables">{table(heads, rows, caption)}</div>'

@@ -189,7 +189,7 @@ def _volume(samples: EvaluationPoints):
         worst = int(np.flatnonzero(beside & (least == corner))[0])
         yield Finding(
             f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} "
-            f"where {_at(samples.undeformed[worst])} undeformed (det F: volume ratio); this hardly "
+            f"(volume ratio) at {_at(samples.undeformed[worst])} (undeformed coordinates); this hardly "
             f"changes the forces, but {LEAVE_OUT}",
             False,
             meaningless=True,
@@ -199,8 +199,8 @@ def _volume(samples: EvaluationPoints):
     if not least[worst] > slight and not beside[worst]:
         yield Finding(
             f"material is {_squeezed(change[worst])} between the quadrature points: det F = "
-            f"{change[worst]:.2g} where {_at(samples.undeformed[worst])} undeformed, so the stress "
-            f"there is meaningless; {_volume_cure(samples)}",
+            f"{change[worst]:.2g} at {_at(samples.undeformed[worst])} (undeformed coordinates), so the "
+            f"stress there is meaningless; {_volume_cure(samples)}",
             not change[worst] > none,
             meaningless=True,
             place=samples.undeformed[worst],

@@ -38,10 +38,10 @@ def creases(samples: EvaluationPoints) -> str:
         return ""
     point = samples.undeformed[chains[worst, chains.shape[1] // 2]]
     return (
-        f"the free surface is compressed to {stretch[worst]:.2g} of its length where "
-        f"{values.place(point)} undeformed: below {CREASES:.2g} rubber forms creases, which a large "
-        "particle spacing does not resolve, so an analysis with a smaller spacing may give another "
-        "force or fail; use a larger radius at this point, or less travel"
+        f"the free surface is compressed to {stretch[worst]:.2g} of its length at "
+        f"{values.place(point)} (undeformed coordinates): below {CREASES:.2g} rubber forms "
+        "creases, which a large particle spacing does not resolve, so an analysis with a smaller "
+        "spacing may give another force or fail; use a larger radius at this point, or less travel"
     )
 
 

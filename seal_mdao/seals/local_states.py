@@ -26,7 +26,7 @@ NEAR = 2.0
 BESIDE = 1.0
 """Distance from the end of a fixed edge, in spacings there, within which its singularity may invert
 points between the particles. On a bonded half disc and a bonded gasket no point farther away does."""
-CURE = "round the corner, refine the particles there (spacing, layers), or use less travel"
+CURE = "round the corner, use a smaller spacing or more layers there, or use less travel"
 LEAVE_OUT = (
     "the exact stress at this point is infinite, so the computed stress grows with refinement; "
     "exclude this point from stress measures (away_from_singular of von_mises)"
@@ -75,9 +75,9 @@ def meaningless_states(samples: EvaluationPoints):
         if not stress[worst] <= ABOVE_NEIGHBOURS * near:
             yield (
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
-                f"times the shear modulus, {_where(places[worst])}, and {near:.3g} kPa around it: "
-                "the background cells at this point are distorted, and this stress is meaningless; "
-                f"{cure_at(samples, places[worst])}",
+                f"times the shear modulus, {_where(places[worst])}, but only {near:.3g} kPa at "
+                "the points around it: the background cells at this point are distorted, and "
+                f"this stress is meaningless; {cure_at(samples, places[worst])}",
                 places[worst],
             )
 
@@ -105,7 +105,7 @@ def largest_stretch(samples: EvaluationPoints) -> Largest:
 
 
 def _where(point) -> str:
-    return f"where {values.place(point)} undeformed"
+    return f"at {values.place(point)} (undeformed coordinates)"
 
 
 class StressPeak(NamedTuple):

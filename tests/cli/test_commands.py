@@ -680,7 +680,7 @@ def test_largest_stress_names_a_singular_point():
         "largest_von_mises_singular_at": None, "largest_von_mises_elsewhere_kPa": 5.0,
         "largest_von_mises_elsewhere_at_mm": [3.0, 4.0],
     }  # fmt: skip
-    plain = "largest von Mises stress 9.0 kPa, at x = 1, y = 2 undeformed"
+    plain = "largest von Mises stress 9.0 kPa, at x = 1, y = 2 (undeformed coordinates)"
     assert stress_line(summary) == plain
     # what rounding leaves of a zero
     noisy = summary | {"largest_von_mises_at_mm": [-7e-15, 2.0]}

@@ -94,7 +94,8 @@ def test_the_place_of_the_thinnest_wall_is_told(run_script, tmp_path, capsys):
     assert found["at_mm"][0] > 0.3
     assert np.hypot(*np.subtract(found["at_mm"], [0.3, 7.0])) > 4.5
     x, y = found["at_mm"]
-    said = f"wall_thickness = {found['value']:.6g} mm, at x = {x:.3g}, y = {y:.3g} undeformed"
+    at = f"at x = {x:.3g}, y = {y:.3g} (undeformed coordinates)"
+    said = f"wall_thickness = {found['value']:.6g} mm, {at}"
     shown_lines = capsys.readouterr().out
     assert said in shown_lines
     assert "estimated numerical error due to the contact penalties alone: at most " in shown_lines

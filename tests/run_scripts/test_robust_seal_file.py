@@ -49,7 +49,7 @@ def test_robust_optimum_of_a_seal_file_on_fresh_samples(robust, assert_drawn):
 def test_report_shows_the_robust_design_of_a_seal_file(robust):
     out, _, _, _ = robust
     page = (out / "report.html").read_text(encoding="utf-8")
-    assert "On 4 fresh samples of all tolerances" in page
+    assert "On 4 new samples of all tolerances" in page
     assert "reaction at least 15 and at most 18" in page
     shapes = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.DOTALL)[1])["shapes"]
     assert [own["name"] for own in shapes["paths"][1]["curves"]] == ["door"]

@@ -182,7 +182,7 @@ def test_robust_optimum_on_fresh_samples(robust, assert_drawn):
 def test_the_report_has_the_table_and_the_figure(robust):
     out, _, s, _ = robust
     page = (out / "report.html").read_text(encoding="utf-8")
-    assert "On 6 fresh samples of all tolerances" in page
+    assert "On 6 new samples of all tolerances" in page
     assert page.count("data:image/png;base64,") == 1
     row = re.search(r"95 % of the samples are below</th><td>(.*?)</td>", page)[1]
     own = s["compared"]["nominal optimum"]["gap_square_integral"]["q95"]

@@ -19,8 +19,8 @@ from seal_mdao.seals.outline.cloud_file import write_cloud
 from seal_mdao.seals.outline.dxf import write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
-HEAD = """# A design of {name} with the particles that it was computed with; for new ones put spacing
-# in place of cloud.
+HEAD = """# A design of {name} with the particles of its analysis; to generate new particles, replace
+# cloud by spacing.
 """
 DRAWN = (
     "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "accuracy", "layers",

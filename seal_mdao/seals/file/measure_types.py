@@ -196,7 +196,7 @@ def _gap_square_sum(profile, points=None, places=None):
 
 @kind("gap_square_sum", _gap_square_sum)
 class GapSquareSumTable(AtPlaces):
-    """Sum of the squared gaps between the first and the last contact."""
+    """Sum of the squared gaps between the first and the last contact point."""
 
     points: one_of("design", "nominal") | None = key(
         "contacts between which gaps are measured: those of every design (default) or of the "
@@ -207,13 +207,13 @@ class GapSquareSumTable(AtPlaces):
 
 simple_kind(
     "gap_square_integral", lambda profile, places=None: GapSquareIntegral(profile, places), AtPlaces,
-    "Integral of the squared gaps between the first and the last contact.",
+    "Integral of the squared gaps between the first and the last contact point.",
 )  # fmt: skip
 
 
 @kind("largest_gap", lambda profile, places=None, **order: LargestGap(profile, places, **order))
 class LargestGapTable(AtPlaces):
-    """Smooth upper bound of the largest gap between the first and the last contact."""
+    """Smooth upper bound of the largest gap between the first and the last contact point."""
 
     order: Order | None = key("order of the p-norm", None)
 
