@@ -23,6 +23,8 @@ from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
+from seal_mdao.terms.averaged_points import CORNER
+from seal_mdao.values import place
 
 ENOUGH, SOME = 5, 3
 """Least number of points in contact that resolve the peak to a few percent, and to some 10 %."""
@@ -244,3 +246,35 @@ def unresolved_peaks(result) -> tuple[str, ...]:
                 f"affected far less; {finer}"
             )
     return tuple(lines)
+
+
+def pressed_corners(result) -> tuple[str, ...]:
+    """Warn of measured contact pressures beside a sharp corner of the section whose single contact point
+    represents both of its sides, one line for each profile."""
+    measured = [own.profile for own in result.measures() if isinstance(own, ContactPressure)]
+    lines = []
+    for profile in dict.fromkeys(measured):
+        where, gap = result.term(profile).where, result.response(profile).gap
+        pressed = np.flatnonzero(two_sided_corners(where, result.particles) & (gap < 0.0))
+        if pressed.size:
+            corner = place(where.points.at(result.particles)[pressed[0]])
+            lines.append(
+                f"{profile!r} presses on a sharp corner of the section, at {corner} undeformed: its "
+                "contact point represents both sides of the corner, so the pressure there and beside "
+                "it may be wrong by 15 to 40 %; list only the pressed edges in contact of this "
+                "profile, or round the corner"
+            )
+    return tuple(lines)
+
+
+def two_sided_corners(where, particles) -> np.ndarray:
+    """Return a mask (k,) of the contact points at sharp corners, with a side of the section before and
+    after them."""
+    if where.edges.shape[1] != 2:  # points in the middle of a side
+        return np.zeros(len(where), bool)
+    # from the point to its neighbours; zero where there is none
+    sides = particles[where.edges[..., 1]] - particles[where.edges[..., 0]]
+    length = np.hypot(sides[..., 0], sides[..., 1])
+    # cosine of the angle by which the boundary turns, over both lengths; 0 < 0 without a side
+    turn = -np.einsum("ki,ki->k", sides[:, 0], sides[:, 1])
+    return turn < CORNER * length[:, 0] * length[:, 1]

@@ -17,7 +17,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import GeometryError, LoadPathError
-from seal_mdao.measures.contact_pressure import unresolved_peaks
+from seal_mdao.measures.contact_pressure import pressed_corners, unresolved_peaks
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings
@@ -115,7 +115,8 @@ class SealResult:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings, one line each: faults at the end of a completed path (``seals.checks``),
-        penalty errors, unresolved peaks of the contact pressure, and warnings about the seal.
+        penalty errors, unresolved peaks of the contact pressure, pressed corners, and warnings
+        about the seal.
 
         Empty for a path that was not completed.
         """
@@ -123,7 +124,7 @@ class SealResult:
             return ()
         # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
-        errors = (*penalty_error.warnings_of(self), *unresolved_peaks(self))
+        errors = (*penalty_error.warnings_of(self), *unresolved_peaks(self), *pressed_corners(self))
         missing = (measure.missing(self) for measure in self.seal.standard)
         return (*found, *filter(None, missing), *errors, *self.seal.warnings)
 
