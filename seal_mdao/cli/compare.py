@@ -58,9 +58,10 @@ def names_of(paths) -> list[str]:
         for path in paths
     ]
     if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
         raise WrongArgumentError(
-            "two of the seal files have the same name without folder and ending, but seals are "
-            "labelled by these names; rename one of the files"
+            f"two of the seal files have the same label {twice!r} (folder_name) in the figures; "
+            "rename one of the files"
         )
     return names
 

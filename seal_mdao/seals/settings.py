@@ -27,7 +27,7 @@ def seal_of(text: str) -> Seal:
     try:
         settings = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"the settings are not those of a seal: {error}") from error
+        raise ValueError(f"the recorded settings do not describe a seal: {error}") from error
     if not isinstance(settings, dict) or not settings.keys() & {FILE, DOOR_SEAL}:
         raise ValueError(
             "the recorded settings describe neither a seal file nor the built-in door seal"
@@ -40,7 +40,7 @@ def seal_of(text: str) -> Seal:
             seal = seal.with_clearances(settings["clearances"])
         return seal.with_parameters(settings.get("parameters", {}))
     except (TypeError, AttributeError) as error:
-        raise ValueError(f"the settings are not those of a seal: {error}") from error
+        raise ValueError(f"the recorded settings do not describe a seal: {error}") from error
 
 
 def _seal_of_file(found: dict) -> OutlineSeal:

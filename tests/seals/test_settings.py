@@ -122,7 +122,7 @@ def packed(content):
     ({"chosen": {"step_ends": [1.0]}}, "lacks the particles, load steps or contact penalties"),
     ({"chosen": {"callback": "print"}}, "the recorded seal file is not valid in this version"),
     ({"parameters": {"nothing": 1.0}}, "the seal has no parameter"),
-    ({"clearances": 3}, "not those of a seal"),
+    ({"clearances": 3}, "settings do not describe a seal"),
 ])  # fmt: skip
 def test_settings_that_are_none(wrong, words):
     settings = json.loads(sm.build_seal(PAPER).settings()) | wrong
@@ -139,5 +139,5 @@ def test_a_file_that_names_others_does_not_read_them_from_the_machine():
 
 @pytest.mark.parametrize("text", ["", "{", "[" * 10**5, "[]", "3", '{"seal": 1}'])
 def test_text_that_is_no_settings(text):
-    with pytest.raises(ValueError, match=r"settings (are not those of|describe neither)"):
+    with pytest.raises(ValueError, match=r"settings (do not describe a seal|describe neither)"):
         seal_of(text)

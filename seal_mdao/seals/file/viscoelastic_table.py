@@ -75,8 +75,8 @@ class ViscoelasticTable(Table):
     def _possible(self):
         if self.wlf is not None and self.arrhenius is not None:
             raise ValueError(
-                "the keys wlf and arrhenius are given together, but are two laws of the same "
-                "temperature shift; use only one of them"
+                "the keys wlf and arrhenius are given together, but both define the "
+                "shift of the relaxation times with temperature; use only one of them"
             )
         # refuses parts and times that do not belong together
         self.made()

@@ -161,8 +161,9 @@ def _folded(part: _Part, own) -> np.ndarray:
     count = len(own)
     if part.left_out[0] != part.left_out[1]:
         raise ValueError(
-            f"one end of the edge {part.name!r} is constrained and the other is free, so its "
-            "design cannot be symmetric; leave out mirror, or constrain both ends"
+            f"the two ends of the part of the edge {part.name!r} that moves differ (an end at an edge "
+            "that does not move, at one that moves, or within the edge), so the design cannot be "
+            "symmetric; leave out mirror, or choose a part with equal ends (between)"
         )
     # j <-> n - 1 - j of an open part, j <-> -j of a loop whose first B-spline is in the plane
     image = -np.arange(count) % count if part.loop else np.arange(count)[::-1]

@@ -276,8 +276,8 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     several = len(seal.definitions[0].regions) > 1
     if several or not isinstance(seal.spacing, int | float):
         raise ValueError(
-            "only a section with a single material and the key spacing can be filled with other "
-            "particles"
+            "new particles can be generated only for a section with a single material and the key "
+            "spacing"
         )
     offsets = seal.check_offsets(offsets)
     present = seal.particles(offsets)
