@@ -155,7 +155,10 @@ simple_kind(
 class PeakPressureTable(OfProfile):
     """Smooth lower bound of the peak of the true contact pressure (mean of high order)."""
 
-    order: Order | None = key("order of the mean", None)
+    order: Order | None = key(
+        f"order of the mean, default {PeakPressure.order}; a larger order is closer to the maximum",
+        None,
+    )
 
 
 simple_kind(
@@ -168,7 +171,10 @@ simple_kind(
 class ContactPressureTable(OfProfile):
     """True contact pressure of each contact region, as a mean of high order."""
 
-    order: Order | None = key("order of the mean", None)
+    order: Order | None = key(
+        f"order of the mean, default {ContactPressure.order}; a larger order is closer to the maximum",
+        None,
+    )
     places: Patches | None = key(
         "with a cloud: indices of contact points of every contact region", None
     )
@@ -215,7 +221,10 @@ simple_kind(
 class LargestGapTable(AtPlaces):
     """Smooth upper bound of the largest gap between the first and the last contact point."""
 
-    order: Order | None = key("order of the p-norm", None)
+    order: Order | None = key(
+        f"order of the p-norm, default {LargestGap.order}; a larger order is closer to the maximum",
+        None,
+    )
 
 
 @kind("profile_work", lambda profile, stage=None: ProfileWork(profile, stages=stage))
@@ -248,7 +257,10 @@ simple_kind("strain_energy", StrainEnergy, MeasureTable, "Elastic energy of the 
 class StressNormTable(MeasureTable):
     """p-norm of the von Mises stress of the particles, an upper bound of the largest."""
 
-    order: Order | None = key("order of the p-norm", None)
+    order: Order | None = key(
+        f"order of the p-norm, default {StressNorm.order}; a larger order is closer to the maximum",
+        None,
+    )
 
 
 @kind("von_mises", VonMises)
