@@ -90,9 +90,9 @@ def file_and_seal(
     if file.leaves_particles_open:
         if step_ends is not None or penalties is not None:
             raise SealFileError(
-                f"{file.path}: the arguments step_ends and penalties are valid only for the particles "
-                "for which they were chosen, but accuracy of [section] chooses new particles; give "
-                "the argument filling of the same run, too"
+                f"{file.path}: the key accuracy of [section] chooses new particles, for which the "
+                "given load steps (argument step_ends) and penalties are not valid; also give the "
+                "chosen particles (argument filling) with which these were found"
             )
         try:
             cloud = refine(file, report, callback)
