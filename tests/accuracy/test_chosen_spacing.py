@@ -243,7 +243,7 @@ def test_wrong_filling(chosen, tmp_path):
         sm.build_seal(cord(tmp_path), filling=found["filling"])
     with pytest.raises(sm.SealFileError, match="with spacing, layers and edge_spacing"):
         sm.build_seal(file.path, filling={"spacing": 0.3})
-    with pytest.raises(sm.SealFileError, match="give the argument filling of the same run, too"):
+    with pytest.raises(sm.SealFileError, match="which the given load steps"):
         sm.build_seal(file.path, step_ends=[1.0])
 
 
