@@ -227,5 +227,5 @@ def test_particles_must_fit_the_body(rng):
         discretize(disc.body, disc.particles[:-1])
     broken = disc.particles.copy()
     broken[7, 1] = np.nan
-    with pytest.raises(ValueError, match="particle 7"):
+    with pytest.raises(ValueError, match="the particle with the index 7"):
         discretize(disc.body, broken)

@@ -54,7 +54,7 @@ def test_forces_are_on_the_screen_before_derivatives_and_figures(
         raise StoppedError
 
     monkeypatch.setattr(analyze, "file_of", lambda path: None)
-    monkeypatch.setattr(analyze, "analyzed", lambda file: (nominal, 0.0))
+    monkeypatch.setattr(analyze, "analyzed", lambda file, report: (file, nominal, 0.0))
     monkeypatch.setattr(analyze, "summarize", stop)
     made = analyze.arguments_parser().parse_args(["seal.toml", "--out", str(tmp_path)])
     with pytest.raises(StoppedError):

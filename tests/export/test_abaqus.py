@@ -339,7 +339,7 @@ def test_a_law_that_abaqus_does_not_have(tmp_path):
     file = sm.read_seal_file(path)
     assert isinstance(file.materials["bulb"], Gent)
     with pytest.raises(
-        sm.SealFileError, match=r"\[material.bulb\]: the law Gent has no counterpart"
+        sm.SealFileError, match=r"\[material.bulb\]: the material law Gent has no counterpart"
     ):
         write_abaqus(file, unchosen_seal(file), tmp_path / "gent.inp")
     assert not (tmp_path / "gent.inp").exists()

@@ -71,7 +71,7 @@ def test_another_problem_is_not_continued(tmp_path):
     first = problem_of(seal, DoorProblem(), tmp_path, cases)
     first.run_driver()
     first.cleanup()
-    with pytest.raises(ValueError, match="recorded with another problem"):
+    with pytest.raises(ValueError, match="recorded in the optimisation of another problem"):
         continue_run(problem_of(seal, DoorProblem(stress_norm=True), tmp_path), cases)
     same = problem_of(seal, DoorProblem(), tmp_path)
     continue_run(same, cases)

@@ -283,4 +283,7 @@ def test_a_law_that_abaqus_does_not_have_is_refused_before_the_analysis(
     path = written(tmp_path, LIMITED)
     monkeypatch.setattr(sm, "analyze", lambda *a, **k: pytest.fail("analysed"))
     assert run_script("analyze", tmp_path / "out", path, "--abaqus") == (2, None)
-    assert "[material.rubber]: the law Gent has no counterpart in Abaqus" in capsys.readouterr().err
+    assert (
+        "[material.rubber]: the material law Gent has no counterpart in Abaqus"
+        in capsys.readouterr().err
+    )

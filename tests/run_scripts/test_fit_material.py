@@ -112,7 +112,10 @@ BAD = {
     "empty": ("", "the file is empty"),
     "wrong type": (HEAD + "uniaxial,1.2,much\n", "column stress_kPa: 'much' is not a number"),
     "too few": (HEAD + "uniaxial,1.2,30\n", "1 readings are too few for the 3 constants of yeoh"),
-    "unstable": (STRONG_SOFTENING, "yeoh with the best-fit constants is not stable: uniaxial"),
+    "unstable": (
+        STRONG_SOFTENING,
+        "yeoh with the best-fit constants describes a material that is not stable: uniaxial",
+    ),
 }
 
 

@@ -203,7 +203,7 @@ def test_robust_run_goes_on(robust, run_script, capsys):
     assert again["boundary_offsets"] == s["boundary_offsets"]
     with pytest.raises(SystemExit):
         run_script("robust", out, "--band", 0.2, *arguments)
-    assert "recorded with another problem" in capsys.readouterr().err
+    assert "recorded in the optimisation of another problem" in capsys.readouterr().err
     # the same folder: continued without --restart
     code, again = run_script("robust", out, "--max-iterations", 2, *arguments[2:])
     assert "continuing" in capsys.readouterr().out
