@@ -118,8 +118,8 @@ def find(kind: str, name: str, shipped: Iterable[str] = ()):
         sources.insert(0, "seal_mdao itself")
     if len(sources) > 1:
         raise ValueError(
-            f"the {_what(kind)} {name!r} comes from {' and from '.join(sources)}; rename or "
-            "uninstall all but one"
+            f"more than one source defines the {_what(kind)} {name!r}: {' and '.join(sources)}; rename "
+            "it in one of them, or uninstall all of these packages but one"
         )
     if not found:
         return None

@@ -114,7 +114,7 @@ def test_names_that_clash_are_refused_with_their_distributions(install, tmp_path
     found = message(tmp_path, GIVEN, CAPPED)
     assert "the distribution 'rubber_one'" in found
     assert "the distribution 'rubber_two'" in found
-    assert found.endswith("rename or uninstall all but one")
+    assert found.endswith("or uninstall all of these packages but one")
 
 
 @pytest.mark.parametrize(("kind", "name", "old", "new"), [
@@ -125,7 +125,7 @@ def test_names_that_clash_are_refused_with_their_distributions(install, tmp_path
 def test_a_name_of_the_package_itself_is_taken(install, tmp_path, kind, name, old, new):
     install("rubber_laws", "rubber_any", LAW, kind, f"{name} = rubber_any:capped")
     found = message(tmp_path, old, new)
-    assert "comes from seal_mdao itself and from the distribution 'rubber_laws'" in found
+    assert "seal_mdao itself and the distribution 'rubber_laws'" in found
 
 
 @pytest.mark.parametrize(("kind", "name", "old", "words"), [
