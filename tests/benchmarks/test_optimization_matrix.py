@@ -93,7 +93,7 @@ def test_runs_come_from_the_workers_and_one_that_fails_is_named(monkeypatch):
     for row in rows:
         assert row["success"] is None
         assert row["message"].startswith(
-            "ValueError: the nominal seal has no gap between contact points"
+            "ValueError: the nominal seal has no gap above 0.001 mm between points"
         )
 
 
