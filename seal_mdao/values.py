@@ -151,6 +151,18 @@ def place(point) -> str:
     return f"x = {x:.3g}, y = {y:.3g}"
 
 
+def fraction(percentage: str) -> float:
+    """Convert a percentage above 0 and at most 50, such as 1 or "1 %", to a fraction.
+
+    Raises
+    ------
+    ValueError
+        For a text that is none.
+    """
+    value = float(percentage.strip().removesuffix("%")) / 100.0
+    return real("the fraction", value, above=0.0, high=0.5)
+
+
 def formatted(value) -> str:
     """Format a value for an error message: one line of at most 60 characters."""
     try:

@@ -1,7 +1,7 @@
 """Choose the particles of a seal file so that estimated errors are below the admissible ones.
 
-Once, for the nominal seal. Errors fall with the square of the spacing h, and what is left of the
-admissible error e by load steps and penalties is that of the particles. So the next cloud has
+Once, for the nominal seal. Errors fall with the square of the spacing h. The particles may cause the
+part of the admissible error e that load steps and penalties do not cause. So the next cloud has
 
     h_new = 0.9 h sqrt((e - e_steps - e_penalties) / e_particles),
 
@@ -89,14 +89,13 @@ class Cloud:
         ValueError
             When no measure has an estimate, or one that the file names; the message gives the reasons.
         """
-        admissible, found = admissible_errors(self.file), []
-        for name, most in admissible.items():
-            own = self.estimates[name]
-            if own.bar is not None and own.bar.size and own.scale > 0.0:
-                at = int(own.bar.argmax())
-                parts = own.bar[at] / own.scale, abs(own.particles[at]) / own.scale
-                found.append(WorstError(name, *map(float, parts), most))
-        missing = self.not_estimated
+        missing, found = self.not_estimated, []
+        for name, most in admissible_errors(self.file).items():
+            if name not in missing:
+                own, relative = self.estimates[name], self.estimates[name].relative
+                at = int(relative.argmax())
+                particles = abs(own.particles[at]) / own.scale
+                found.append(WorstError(name, float(relative[at]), float(particles), most))
         # measures that the file names need an estimate, of all together some may have none
         if not found or (missing and isinstance(self.file.section.accuracy, dict)):
             reasons = "; ".join(dict.fromkeys(missing.values()))
@@ -111,9 +110,9 @@ class Cloud:
     def not_estimated(self) -> dict[str, str]:
         """Why measures of ``accuracy`` have no error bar, by their names."""
         return {
-            name: own.unknown or "the value is zero"
+            name: self.estimates[name].unknown or "the value is zero"
             for name in admissible_errors(self.file)
-            if (own := self.estimates[name]).bar is None or not own.bar.size or not own.scale > 0.0
+            if self.estimates[name].relative is None
         }
 
 

@@ -84,6 +84,13 @@ class ErrorEstimate:
         parts = list(self.parts.values())
         return None if any(part is None for part in parts) else np.abs(parts).sum(axis=0)
 
+    @property
+    def relative(self) -> np.ndarray | None:
+        """``bar`` over ``scale``, shape (m,); None for a bar that is not known, a measure without
+        values and a scale of zero."""
+        bar = self.bar
+        return bar / self.scale if bar is not None and bar.size and self.scale > 0.0 else None
+
 
 def estimate_errors(
     file: SealFile, result: SealResult, callback: Callable | None = None

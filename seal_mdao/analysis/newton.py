@@ -68,9 +68,11 @@ def _cycle(visited: list) -> list:
 
     Points that alternately stick and slip, or touch and open, make Newton's method cycle.
     """
+    if len(visited) <= SHORTEST_CYCLE:
+        return []
+    d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
     # |d_k - d_(k-p)| << |d_k - d_(k-1)| for a period p
     for period in range(SHORTEST_CYCLE, min(LONGEST_CYCLE, len(visited) - 1) + 1):
-        d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
         if np.abs(d - visited[-1 - period]).max() <= SAME_PLACE * step:
             return visited[-period:]
     return []

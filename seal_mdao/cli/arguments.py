@@ -24,6 +24,7 @@ from seal_mdao.seals.door.door_options import DoorOptions
 from seal_mdao.seals.door.door_seal import ACCURACIES
 from seal_mdao.seals.penalty_error import not_estimable
 from seal_mdao.standard_streams import make_writable
+from seal_mdao.values import fraction
 
 SEAL_OPTIONS = (
     "friction", "friction_history", "door", "corner_x", "segments", "rays", "layers",
@@ -197,12 +198,11 @@ def travel(text: str) -> float:
 def percentage(text: str) -> float:
     """Parse a percentage for argparse, such as 1 or "1 %"; returns a fraction."""
     try:
-        value = float(text.strip().removesuffix("%")) / 100.0
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value <= 0.5:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a percentage above 0 and at most 50")
-    return value
+        return fraction(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a percentage above 0 and at most 50"
+        ) from error
 
 
 def existing_file(text: str) -> Path:

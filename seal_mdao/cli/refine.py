@@ -134,10 +134,11 @@ def _require_keys(text: str, file: SealFile, tolerances: dict) -> None:
         tables = {"section": {}}
     section, filling = tables["section"], file.section.filling
     found = {name: section.get(name, {}) for name in filling}
-    tolerances = {name: own for name, (own, usual) in tolerances.items()}
-    usual = {"steps": STEP_TOLERANCE, "penalties": PENALTY_TOLERANCE}
-    kept = {name: tables.get(name, {}).get("tolerance", usual[name]) for name in tolerances}
-    if found != filling or "accuracy" in section or kept != tolerances:
+    kept = all(
+        tables.get(name, {}).get("tolerance", usual) == own
+        for name, (own, usual) in tolerances.items()
+    )
+    if found != filling or "accuracy" in section or not kept:
         raise ValueError(
             "spacing, accuracy, layers and edge_spacing of [section] must be on lines of their own, "
             "such as spacing = 0.5, and so must tolerance of [steps] and [penalties], so that they "

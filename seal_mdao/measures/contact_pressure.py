@@ -224,12 +224,17 @@ def points_around_peak(gap: np.ndarray) -> int:
     return int(after.min(initial=gap.size) - before.max(initial=-1) - 1)
 
 
+def _measured_profiles(result) -> list[str]:
+    """List the profiles whose contact pressure is measured."""
+    every = (own.profile for own in result.measures() if isinstance(own, ContactPressure))
+    return list(dict.fromkeys(every))
+
+
 def unresolved_peaks(result) -> tuple[str, ...]:
     """Warn of measured contact pressures whose peak has too few contact points, one line for each
     profile."""
-    measured = [own.profile for own in result.measures() if isinstance(own, ContactPressure)]
     lines = []
-    for profile in dict.fromkeys(measured):
+    for profile in _measured_profiles(result):
         count = points_around_peak(result.response(profile).gap)
         finer = "use a smaller edge_spacing for the edge that touches this profile"
         if SOME <= count < ENOUGH:
@@ -251,9 +256,8 @@ def unresolved_peaks(result) -> tuple[str, ...]:
 def pressed_corners(result) -> tuple[str, ...]:
     """Warn of measured contact pressures beside a sharp corner of the section whose single contact point
     represents both of its sides, one line for each profile."""
-    measured = [own.profile for own in result.measures() if isinstance(own, ContactPressure)]
     lines = []
-    for profile in dict.fromkeys(measured):
+    for profile in _measured_profiles(result):
         where, gap = result.term(profile).where, result.response(profile).gap
         pressed = np.flatnonzero(two_sided_corners(where, result.particles) & (gap < 0.0))
         if pressed.size:

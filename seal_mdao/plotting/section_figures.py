@@ -45,9 +45,9 @@ def _error_lines(seal, estimates: dict) -> list[str]:
     """List the estimated errors of the measures of a seal in per cent, the largest of each."""
     lines = []
     for measure in seal.standard:
-        own = estimates.get(measure.name)
-        if own is not None and own.bar is not None and own.bar.size and own.scale > 0.0:
-            error = 100.0 * own.bar.max() / own.scale
+        relative = estimates[measure.name].relative if measure.name in estimates else None
+        if relative is not None:
+            error = 100.0 * relative.max()
             lines.append(f"{measure.name.replace('_', ' ')} ± {error:.2g} % (estimated)")
     return lines
 

@@ -7,10 +7,10 @@ layers across walls. The finer seal has the same load steps and penalties. Write
 ``chosen_particles.json``; takes minutes.
 """
 
-import argparse
-import json
 import time
 from pathlib import Path
+
+from by_example import store
 
 import seal_mdao as sm
 from seal_mdao.accuracy.chosen_spacing import with_factor
@@ -60,21 +60,16 @@ def _digits(value: float) -> float:
     return float(f"{value:.2g}")
 
 
+def compared_or_failure(name: str) -> dict:
+    """As ``compared``; the message where the choice or an analysis fails."""
+    try:
+        return compared(name)
+    except (ValueError, sm.LoadPathError) as error:
+        return {"failure": str(error)}
+
+
 def main(argv=None) -> int:
-    made = argparse.ArgumentParser(description=__doc__)
-    made.add_argument("names", nargs="*", default=NAMES, help="examples")
-    made.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
-    arguments = made.parse_args(argv)
-    path = arguments.out / "chosen_particles.json"
-    stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    for name in arguments.names:
-        try:
-            stored[name] = compared(name)
-        except (ValueError, sm.LoadPathError) as error:
-            stored[name] = {"failure": str(error)}
-        print(name, json.dumps(stored[name]), flush=True)
-        path.write_text(json.dumps(stored, indent=1) + "\n", encoding="utf-8")
-    return 0
+    return store(compared_or_failure, NAMES, "chosen_particles.json", __doc__, argv)
 
 
 if __name__ == "__main__":

@@ -6,10 +6,10 @@ The actual error is that against the value extrapolated from clouds with cells o
 the size, in the same load steps. Writes ``error_estimates.json``; takes about ten minutes.
 """
 
-import argparse
-import json
 import time
 from pathlib import Path
+
+from by_example import store
 
 import seal_mdao as sm
 from seal_mdao.accuracy.error_estimate import (
@@ -82,17 +82,7 @@ def _errors(coarse, fine, finest, scale: float) -> dict:
 
 
 def main(argv=None) -> int:
-    made = argparse.ArgumentParser(description=__doc__)
-    made.add_argument("names", nargs="*", default=NAMES, help="examples")
-    made.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
-    arguments = made.parse_args(argv)
-    path = arguments.out / "error_estimates.json"
-    stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    for name in arguments.names:
-        stored[name] = compared(name)
-        print(name, json.dumps(stored[name]), flush=True)
-        path.write_text(json.dumps(stored, indent=1) + "\n", encoding="utf-8")
-    return 0
+    return store(compared, NAMES, "error_estimates.json", __doc__, argv)
 
 
 if __name__ == "__main__":

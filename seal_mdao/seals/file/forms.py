@@ -14,6 +14,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao.errors import GeometryError
+from seal_mdao.values import fraction
 
 FORM = "form"
 """Type of the error of a value that has another form than its key allows."""
@@ -138,18 +139,10 @@ Distances = Annotated[
 Penalty = number("kPa/mm", above=0.0, most=1e12)
 
 
-def _fraction(text: str) -> float:
-    # "1 %" -> 0.01
-    value = float(text.strip().removesuffix("%")) / 100.0
-    if not 0.0 < value <= 0.5:
-        raise ValueError
-    return value
-
-
 _PERCENTAGE = 'a percentage above 0 and at most 50, such as "1 %"'
 _Percentage = Annotated[
     str, Strict(), StringConstraints(pattern=r"^\s*(\d+\.?\d*|\.\d+)\s*%\s*$"),
-    AfterValidator(_fraction), Form(_PERCENTAGE),
+    AfterValidator(fraction), Form(_PERCENTAGE),
 ]  # fmt: skip
 Percentages = Annotated[
     _Percentage | Annotated[dict[str, _Percentage], Field(min_length=1)],
