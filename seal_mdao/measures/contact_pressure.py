@@ -263,10 +263,10 @@ def pressed_corners(result) -> tuple[str, ...]:
         if pressed.size:
             corner = place(where.points.at(result.particles)[pressed[0]])
             lines.append(
-                f"{profile!r} presses on a sharp corner of the section, at {corner} undeformed: its "
-                "contact point represents both sides of the corner, so the pressure there and beside "
-                "it may be wrong by 15 to 40 %; list only the pressed edges in contact of this "
-                "profile, or round the corner"
+                f"{profile!r} presses on a sharp corner of the section, at {corner} (undeformed "
+                "coordinates): its contact point represents both sides of the corner, so the "
+                "pressure there and beside it may be wrong by 15 to 40 %; list only the pressed "
+                "edges in contact of this profile, or round the corner"
             )
     return tuple(lines)
 

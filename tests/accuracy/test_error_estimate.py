@@ -204,3 +204,13 @@ def test_stored_figures_of_the_page():
         found = estimates[name].particles / estimates[name].scale
         # iterations end at a residual of 1e-5 of the forces
         np.testing.assert_allclose(found, own["estimated"], rtol=6e-3, atol=2e-4)
+
+
+def test_relative_error_bars_are_known_or_none():
+    part = np.array([0.3, -0.1])
+    known = ErrorEstimate(np.ones(2), part, -part, part, 2.0)
+    assert known.relative == pytest.approx([0.45, 0.15])
+    assert replace(known, scale=0.0).relative is None
+    assert replace(known, load_steps=None).relative is None
+    empty = np.zeros(0)
+    assert ErrorEstimate(empty, empty, empty, empty, 2.0).relative is None
