@@ -90,7 +90,7 @@ def test_walls_in_contact_do_not_cross_but_by_their_penalty(pressed):
             {"hole_normal_penalty": penalty},
         )
         (found,) = [f for f in findings(softer.path) if "inside each other" in f.text]
-        assert "of 'hole'" in found.text
+        assert "the penalty of the contact 'hole' is too small" in found.text
         assert found.impossible == impossible
         assert not any("crosses" in text for text in softer.warnings)
 
