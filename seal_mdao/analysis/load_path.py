@@ -40,6 +40,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
 from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
 from seal_mdao.analysis.stability import flagged, is_stable
+from seal_mdao.equilibrium.memory import keep_freed_memory
 from seal_mdao.equilibrium.storage import Factor
 from seal_mdao.equilibrium.threads import one_blas_thread
 
@@ -350,6 +351,7 @@ def solve_path(
     GeometryError
         When the undeformed state is not admissible (a body that starts inside a rigid profile).
     """
+    keep_freed_memory()
     options = NewtonOptions() if options is None else options
     path = _Path(
         problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None), near
