@@ -74,7 +74,10 @@ def save_animation(
     scales = section.stress_scales([fine], steps)
     low, high = section.window([fine.undeformed(), *map(fine.deformed, steps)], seal=result.seal)
     width, height = section.panel_size(low, high)
-    figure, (left, right) = subplots(1, 2, width=1.1 * width + 6.0, height=max(1.1 * height, 3.6))
+    bars = section.BAR_WIDTH * len(scales)
+    figure, (left, right) = subplots(
+        1, 2, width=1.1 * width + 4.7 + bars, height=max(1.1 * height, 3.6)
+    )
     draw_forces(right, {"": result})
     # the line at zero is the first one
     curve = right.lines[1]

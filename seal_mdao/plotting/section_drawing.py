@@ -40,6 +40,8 @@ NARROW = 1.0
 section keeps a quarter of their width."""
 VEIL = 0.55
 """Opacity of the white over the mirror image."""
+BAR_WIDTH = 1.3
+"""Width of a colour bar with its label, inches."""
 PANEL_AREA = 16.0
 """Area of the panel of one shape, square inches; its aspect ratio is that of the section."""
 

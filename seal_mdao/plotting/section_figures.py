@@ -174,9 +174,10 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     shapes = [fine.undeformed(), *map(fine.deformed, steps)]
     low, high = section.window(shapes, seal=result.seal)
     width, height = section.panel_size(low, high)
+    bars = section.BAR_WIDTH * len(scales)
     figure, panel = panels(
         len(steps), 2 if width > 3.0 else 3, sharex=True, sharey=True,
-        size=lambda rows, columns: (max(width * columns + 1.3, 5.0), rows * (height + 0.45) + 0.4),
+        size=lambda rows, columns: (max(width * columns + bars, 5.0), rows * (height + 0.45) + 0.4),
     )  # fmt: skip
     every = list(figure.axes)
     for axes, step in zip(panel, steps, strict=True):
@@ -276,7 +277,8 @@ def design_comparison(initial: SealResult, optimised: SealResult, numbers=("", "
     shapes = [x for fine in fines for x in (fine.deformed(), fine.undeformed())]
     low, high = section.window(shapes, seal=initial.seal)
     width, height = section.panel_size(low, high)
-    figure, panel = subplots(1, 3, width=3 * width + 1.6, height=height + 1.2, sharey=True)
+    across = 3 * width + 0.3 + section.BAR_WIDTH * len(scales)
+    figure, panel = subplots(1, 3, width=across, height=height + 1.2, sharey=True)
     # left panel: both undeformed shapes; right panels: deformed shapes with stress
     _draw_undeformed(panel[0], *fines)
     section.frame(panel[0], low, high, initial.seal)

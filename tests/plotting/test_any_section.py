@@ -95,6 +95,15 @@ def test_every_figure(pressed, tmp_path):
         )
 
 
+def test_colour_bars_of_two_materials_do_not_narrow_the_panels(pressed):
+    """Otherwise white space lies between the rows of panels, whose aspect ratio is fixed."""
+    figure = plotting.deformed_shapes(pressed)
+    figure.canvas.draw()
+    upper, _, lower, _ = (axes.get_position() for axes in figure.axes[:4])
+    # between rows a title of one line and tick marks, less than 0.6 inches
+    assert (upper.y0 - lower.y1) * figure.get_figheight() < 0.6
+
+
 def test_forces_of_several_seals_are_those_against_the_travel(pressed):
     """Friction of a sliding stage is not part of the force of a load-deflection curve."""
     axes = plotting.load_deflection_of({"block": pressed}).axes[0]
