@@ -8,6 +8,10 @@ part of the admissible error e that load steps and penalties do not cause. So th
 with as many more layers across thin walls and as much smaller spacings along edges. Load steps and
 penalties that the file leaves open are chosen for every cloud with tolerances of a fraction of e
 (``seals.file.accuracy``).
+
+Two clouds may agree by chance where only few contact points are pressed. So peak pressures and contact
+widths need at least n_0 points in contact, n_0 = ``contact_pressure.ENOUGH``. With n < n_0 points at the
+distance h_c, the next cloud has 0.9 h_c n / n_0 along the edges in contact.
 """
 
 import math
@@ -18,6 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors
+from seal_mdao.measures.contact_pressure import ENOUGH, points_around_peak
+from seal_mdao.measures.measure import Derived
 from seal_mdao.seals.chosen_path import store_path
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.evaluation_points import EvaluationPoints
@@ -37,6 +43,28 @@ LEAST_ORDER = 0.5
 """Least order of the error in the spacing with which a further cloud is tried."""
 CLEAR = 0.7
 """Largest factor on the spacing from which this order is computed."""
+
+
+class FewPoints(NamedTuple):
+    """Contact with too few points for the estimated error of a measure.
+
+    Attributes
+    ----------
+    measure, profile : str
+    count : int
+        Points in contact around the largest pressure.
+    edges : dict of str to float
+        Edges of these points, with distances for the next cloud, mm.
+    """
+
+    measure: str
+    profile: str
+    count: int
+    edges: dict[str, float]
+
+    def __str__(self):
+        points = "1 point" if self.count == 1 else f"{self.count} points"
+        return f"{self.measure} has only {points} in contact with {self.profile}"
 
 
 class WorstError(NamedTuple):
@@ -94,7 +122,7 @@ class Cloud:
             if name not in missing:
                 own, relative = self.estimates[name], self.estimates[name].relative
                 at = int(relative.argmax())
-                particles = abs(own.particles[at]) / own.scale
+                particles = own.particle_bar[at] / own.scale
                 found.append(WorstError(name, float(relative[at]), float(particles), most))
         # measures that the file names need an estimate, of all together some may have none
         if not found or (missing and isinstance(self.file.section.accuracy, dict)):
@@ -105,6 +133,21 @@ class Cloud:
                 "give spacing without accuracy"
             )
         return max(found, key=lambda own: own.error / own.admissible)
+
+    @property
+    def few_points(self) -> FewPoints | None:
+        """First measure of ``accuracy`` whose contact has fewer points than ``ENOUGH``; None where all
+        have enough."""
+        admissible = admissible_errors(self.file)
+        for measure in self.result.measures(tuple(admissible)):
+            own = measure.base if isinstance(measure, Derived) else measure
+            if own.needs_points:
+                gap = self.result.response(own.profile).gap
+                points = points_around_peak(gap)
+                if 0 < len(points) < ENOUGH:
+                    edges = _finer_edges(self.result, own.profile, points)
+                    return FewPoints(measure.name, own.profile, len(points), edges)
+        return None
 
     @property
     def not_estimated(self) -> dict[str, str]:
@@ -161,13 +204,26 @@ def refine(
         cloud = Cloud(file, result, estimate_errors(file, result, callback))
         if report is not None:
             report(cloud)
-        worst = cloud.worst
-        if worst.error <= worst.admissible:
+        worst, few = cloud.worst, cloud.few_points
+        admissible = worst.error <= worst.admissible
+        if admissible and few is None:
             # the analysis of the seal, which is not computed again
             store_path(result.seal, result.path)
             return cloud
-        _require_decrease(cloud, before)
-        before, filling = cloud, with_factor(filling, max(SMALLEST, worst.factor))
+        if not admissible:
+            _require_decrease(cloud, before)
+        before = cloud
+        if few is None:
+            filling = with_factor(filling, max(SMALLEST, worst.factor))
+        else:
+            filling = filling | {"edge_spacing": filling["edge_spacing"] | few.edges}
+    if few is not None:
+        raise ValueError(
+            f"the numerical error of {few.measure} cannot be estimated: {few} with a spacing of "
+            f"{', '.join(f'{h:g} mm along {edge}' for edge, h in few.edges.items())}, at least "
+            f"{ENOUGH} are needed; begin with a smaller edge_spacing in [section], or leave "
+            f"{few.measure} out of accuracy"
+        )
     raise ValueError(
         f"the estimated numerical error of {worst.name} is still {worst.error:.2%} with a spacing of "
         f"{cloud.file.section.spacing:g} mm and {len(result.particles)} particles; admit a larger "
@@ -202,7 +258,7 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
     if spacings[1] > CLEAR * spacings[0] or own.particles is None:
         return
     # p = log(e_before / e) / log(h_before / h)
-    error = float(np.abs(own.particles).max() / own.scale)
+    error = float(own.particle_bar.max() / own.scale)
     order = math.log(error / worst.particles) / math.log(spacings[0] / spacings[1])
     if order < LEAST_ORDER:
         raise ValueError(
@@ -212,6 +268,17 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
             "exclude these points (away_from_singular of [[measure]]), or name other measures in "
             "accuracy of [section]"
         )
+
+
+def _finer_edges(result: SealResult, profile: str, points: np.ndarray) -> dict[str, float]:
+    """Compute the distance with which about ``ENOUGH`` points of a contact are pressed, mm, by the
+    edges on which ``points`` (k,) lie."""
+    where = result.term(profile).where
+    # 0.9 h_c n / n_0
+    factor = max(SMALLEST, MARGIN * len(points) / ENOUGH)
+    h = _rounded(factor * float(where.lengths(result.particles)[points].max()))
+    pressed, edges = where.points.anchors[points], result.path.discretization.body.edges
+    return {name: h for name, edge in edges.items() if np.isin(edge.particles, pressed).any()}
 
 
 def with_factor(filling: dict, factor: float) -> dict:

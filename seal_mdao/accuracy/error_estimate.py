@@ -8,10 +8,15 @@
 m_(h/2) is the measure on a cloud with all cells divided into four. The error of few load steps is nearly
 the same on both clouds and drops out of the difference. Iterations begin at the solution of the coarse
 cloud (``prolongation``), so that three to six of them lead to equilibrium of the finer one.
+
+Where contact points come into contact one after another, the difference oscillates along the path and
+may be zero at its end by chance. So an error bar is no shorter than the root mean square of the
+difference over the second half of the load steps.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -54,6 +59,8 @@ class ErrorEstimate:
         Reference value of relative errors (``seals.penalty_error.scale_of``).
     unknown : str
         Why parts are not known; empty where all are.
+    fluctuation : ndarray, shape (m,), or float
+        Root mean square of the part of the particles over the second half of the load steps.
     """
 
     value: np.ndarray
@@ -62,6 +69,7 @@ class ErrorEstimate:
     penalties: np.ndarray | None
     scale: float
     unknown: str = ""
+    fluctuation: np.ndarray | float = 0.0
 
     @property
     def parts(self) -> dict:
@@ -77,11 +85,18 @@ class ErrorEstimate:
         return None if any(part is None for part in parts) else np.sum(parts, axis=0)
 
     @property
+    def particle_bar(self) -> np.ndarray | None:
+        """Part of the error bar by the particles, shape (m,): no less than ``fluctuation``."""
+        if self.particles is None:
+            return None
+        return np.maximum(np.abs(self.particles), self.fluctuation)
+
+    @property
     def bar(self) -> np.ndarray | None:
         """Sum of the absolute values of all parts, the half-width of an error bar, shape (m,); None
         if one is not known."""
         # parts of opposite sign do not make an error bar shorter
-        parts = list(self.parts.values())
+        parts = [self.particle_bar, self.load_steps, self.penalties]
         return None if any(part is None for part in parts) else np.abs(parts).sum(axis=0)
 
     @property
@@ -129,16 +144,16 @@ def estimate_errors(
     paths = ComparedPaths(file, result, callback)
     found = {}
     for measure in standard_measures(result):
-        value = result.value(measure)
-        parts = (
-            _by_particles(measure, paths), _by_steps(measure, value, paths),
-            _by_penalties(measure, value, result),
-        )  # fmt: skip
+        value, scale = result.value(measure), scale_of(measure, result)
+        # m_h - m at the last load steps, at the end in the last row
+        along, fluctuation = _by_particles(measure, paths, scale), 0.0
+        if not isinstance(along, str):
+            fluctuation, along = np.sqrt(np.mean(along**2, axis=0)), along[-1]
+        parts = (along, _by_steps(measure, value, paths), _by_penalties(measure, value, result))
         # a part is its value, or the reason why there is none
         unknown = dict.fromkeys(part for part in parts if isinstance(part, str))
         parts = (None if isinstance(part, str) else part for part in parts)
-        scale = scale_of(measure, result)
-        found[measure.name] = ErrorEstimate(value, *parts, scale, "; ".join(unknown))
+        found[measure.name] = ErrorEstimate(value, *parts, scale, "; ".join(unknown), fluctuation)
     return found
 
 
@@ -209,6 +224,13 @@ class ComparedPaths:
         self.fine, self.failure = found, ""
         return True
 
+    @cached_property
+    def before_end(self) -> list[tuple[SealResult, SealResult]]:
+        """Results of both paths up to each load step of the second half but the last one."""
+        both = zip(self.coarse.up_to_each_step(), self.fine.up_to_each_step(), strict=True)
+        pairs = list(both)
+        return pairs[len(pairs) // 2 : -1]
+
     def near(self, seal: Seal, near: Prolongation) -> SealResult:
         """Analyse a seal with iterations that start from the states of another path; its own path
         may end early."""
@@ -250,8 +272,15 @@ def alike(fine: Seal, seal: Seal) -> Seal:
     return fine.with_parameters(same)
 
 
-def _by_particles(measure: Measure, paths: ComparedPaths) -> np.ndarray | str:
-    """Compute 4/3 (m_h - m_(h/2)), or the reason why it is not known."""
+def _by_particles(measure: Measure, paths: ComparedPaths, scale: float) -> np.ndarray | str:
+    """Compute 4/3 (m_h - m_(h/2)), or the reason why it is not known.
+
+    Returns
+    -------
+    ndarray, shape (k, m), or str
+        In the second half of the load steps, at the end in the last row; only at the end for a measure
+        that has no value before it. Errors of values that are larger than ``scale`` are reduced to it.
+    """
     if paths.fine is None:
         return paths.failure
     finer = measure.on_refined(paths.fine, paths.kept)
@@ -272,7 +301,14 @@ def _by_particles(measure: Measure, paths: ComparedPaths) -> np.ndarray | str:
         return (
             f"the measure {measure.name} is not a finite number if the particle spacing is halved"
         )
-    return error
+    rows = [error]
+    for coarse, fine in paths.before_end if measure.at_end else ():
+        own = coarse.value(measure)
+        earlier = (own - fine.value(finer)) / (1.0 - 0.5**ORDER)
+        if np.isfinite(earlier).all():
+            # relative errors are comparable where the value decreases towards the end
+            rows.insert(-1, earlier * scale / max(scale, np.abs(own).max(initial=0.0)))
+    return np.array(rows)
 
 
 def _by_steps(measure: Measure, value, paths: ComparedPaths) -> np.ndarray | str:

@@ -21,7 +21,8 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
     Returns
     -------
     list of str
-        A heading, a row for every value, and a line for every reason why measures have no estimate.
+        A heading, a row for every value, a line for bars that are longer than their parts, and a line
+        for every reason why measures have no estimate.
     """
     rows = [("measure", "value", "+-", "unit", "in %", *PARTS.values())]
     missing: dict[str, list] = {}
@@ -46,6 +47,15 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
         ).rstrip()
         for row in rows
     ]
+    wider = [
+        name for name, found in estimates.items()
+        if found.bar is not None and (found.particle_bar > np.abs(found.particles)).any()
+    ]  # fmt: skip
+    if wider:
+        lines.append(
+            f"the error due to the particles oscillates along the path; +- of {', '.join(wider)} "
+            "contains its root mean square"
+        )
     reasons = [f"not estimated (?) for {', '.join(own)}: {why}" for why, own in missing.items()]
     return ["estimated errors (computed minus exact value):", *lines, *reasons]
 
@@ -68,6 +78,7 @@ def error_summary(estimates: dict[str, ErrorEstimate]) -> dict:
         name: {
             "value": _plain(found.value), "bar": _plain(found.bar), "error": _plain(found.error),
             **{part: _plain(own) for part, own in found.parts.items()},
+            "fluctuation": _plain(np.broadcast_to(found.fluctuation, found.value.shape)),
             "relative_to": found.scale, "not_estimated": found.unknown or None,
         }
         for name, found in estimates.items()

@@ -8,6 +8,7 @@ from pathlib import Path
 import seal_mdao as sm
 from seal_mdao.accuracy.chosen_spacing import Cloud
 from seal_mdao.file_seal import file_and_seal
+from seal_mdao.measures.contact_pressure import ENOUGH
 from seal_mdao.plotting.captions import name_seal
 from seal_mdao.progress import LoadStepProgress, Waiting
 from seal_mdao.seals.file.build import unchosen_seal
@@ -105,11 +106,13 @@ def seal_of(
 
 
 def cloud_line(cloud: Cloud) -> str:
-    """Describe the particles of a cloud, and its largest error in relation to the admissible one."""
+    """Describe the particles of a cloud, its largest error in relation to the admissible one, and a
+    contact with too few points."""
     worst, filling = cloud.worst, ", ".join(filling_lines(cloud.file.section))
+    few = "" if cloud.few_points is None else f"; {cloud.few_points} (at least {ENOUGH})"
     return (
         f"{filling}, {len(cloud.result.particles)} particles: estimated error of {worst.name} "
-        f"{100.0 * worst.error:.2g} % (at most {100.0 * worst.admissible:g} %)"
+        f"{100.0 * worst.error:.2g} % (at most {100.0 * worst.admissible:g} %){few}"
     )
 
 

@@ -49,6 +49,7 @@ class ContactWidth(Measure):
     name: str = "contact_width"
     units = "mm"
     text = "Length of the deformed boundary in contact."
+    needs_points = True
 
     def __post_init__(self):
         if self.nominal:
@@ -121,6 +122,7 @@ class ContactPressure(Measure):
         "True contact pressure of each contact region: a mean of high order, "
         "slightly below the peak."
     )
+    needs_points = True
 
     def __post_init__(self):
         if self.nominal:
@@ -213,15 +215,17 @@ class PeakPressure(ContactPressure):
         return own.evaluate(result, partials)
 
 
-def points_around_peak(gap: np.ndarray) -> int:
-    """Count the consecutive contact points with gap < 0 around the deepest one."""
+def points_around_peak(gap: np.ndarray) -> np.ndarray:
+    """Find the consecutive contact points with gap < 0 around the deepest one, indices (k,)."""
     # a closed boundary begins at an open point
-    gap = np.roll(gap, -int((gap >= 0.0).argmax()))
+    first = int((gap >= 0.0).argmax())
+    gap = np.roll(gap, -first)
     opened, deepest = np.flatnonzero(gap >= 0.0), int(gap.argmin())
     if gap[deepest] >= 0.0:
-        return 0
+        return np.zeros(0, int)
     before, after = opened[opened < deepest], opened[opened > deepest]
-    return int(after.min(initial=gap.size) - before.max(initial=-1) - 1)
+    found = np.arange(before.max(initial=-1) + 1, after.min(initial=gap.size))
+    return (found + first) % gap.size
 
 
 def _measured_profiles(result) -> list[str]:
@@ -235,7 +239,7 @@ def unresolved_peaks(result) -> tuple[str, ...]:
     profile."""
     lines = []
     for profile in _measured_profiles(result):
-        count = points_around_peak(result.response(profile).gap)
+        count = len(points_around_peak(result.response(profile).gap))
         finer = "use a smaller edge_spacing for the edge that touches this profile"
         if SOME <= count < ENOUGH:
             lines.append(

@@ -37,6 +37,7 @@ class LongestContact(Measure):
     name: str = "longest_contact"
     units = "mm"
     text = "Longest connected part of the deformed contact with a pressure above a limit."
+    needs_points = True
 
     def __post_init__(self):
         values.real(f"pressure of {self.name!r}", self.pressure, 0.0)

@@ -139,6 +139,9 @@ class Measure:
         One line for documentation.
     wants_end : bool
         Whether it requires a completed path.
+    needs_points : bool
+        Whether its value is that of single contact points of ``profile``, such as a peak or the ends of
+        a contact, which a few points in contact do not resolve.
     """
 
     name = ""
@@ -146,6 +149,7 @@ class Measure:
     text = ""
     scalar = False
     wants_end = True
+    needs_points = False
 
     @property
     def scalars(self) -> dict:
@@ -191,6 +195,12 @@ class Measure:
         """
         return self.frozen(fine) if self.selects_points else self
 
+    @property
+    def at_end(self) -> bool:
+        """Whether its value at the end of a shorter part of the path is the value there; not so for a
+        value at given stages, travels or times."""
+        return self.wants_end
+
     def size(self, seal) -> int:
         """Number of values."""
         return 1
@@ -232,6 +242,10 @@ class Derived(Measure):
     @property
     def selects_points(self):
         return self.base.selects_points
+
+    @property
+    def at_end(self):
+        return self.base.at_end
 
     def frozen(self, nominal):
         return replace(self, base=self.base.frozen(nominal))

@@ -127,6 +127,10 @@ class Reaction(Measure):
         return len(next(given, (None,)))
 
     @property
+    def at_end(self):
+        return self.travels is None and self.stages is None and self.times is None
+
+    @property
     def _rows(self) -> int:
         """Number of values per travel."""
         return len(self.components) if self.direction is None else 1

@@ -64,6 +64,7 @@ class TimeToForceFraction(Measure):
     name: str = "time_to_force_fraction"
     units = "s"
     text = "Time until the force has fallen to a fraction of the force at the end of a stage."
+    at_end = False
 
     def check(self, seal):
         first = stage_times(seal.terms()[0], self.name).first
@@ -168,6 +169,7 @@ class CompressionSet(Measure):
         "Compression set: fraction of the compression that is not recovered at the end, (h_0 - h) "
         "/ (h_0 - h_closed)."
     )
+    at_end = False
 
     def least_scale(self, result):
         return SMALL

@@ -45,6 +45,10 @@ class ProfileWork(Measure):
     units = "mJ/m"
     text = "Work of the profile on the seal along the path, per unit depth."
 
+    @property
+    def at_end(self):
+        return self.stages is None
+
     def evaluate(self, result, partials):
         term, steps = result.term(self.profile), result.path.nominal_steps
         first, last = (0, len(steps)) if self.stages is None else self._ends(result)

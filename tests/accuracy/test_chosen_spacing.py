@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,9 +15,11 @@ from seal_mdao.accuracy import chosen_spacing
 from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
 from seal_mdao.cli.refine import refined_text
+from seal_mdao.cli.seal_files import cloud_line
 from seal_mdao.cli.subcommands import main
 from seal_mdao.file_seal import file_and_seal
 from seal_mdao.plotting import section_cloud
+from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.settings import seal_of
@@ -45,6 +48,9 @@ class NoResult:
 
     def require_converged(self):
         pass
+
+    def measures(self, names):
+        return ()
 
 
 def errors_by(monkeypatch, estimated):
@@ -203,6 +209,114 @@ def test_creases_are_refused_before_the_estimate(monkeypatch, tmp_path):
     monkeypatch.setattr(chosen_spacing, "creases", lambda samples: "the free surface is compressed")
     with pytest.raises(ValueError, match="because the free surface is compressed, or give spacing"):
         refine(sm.read_seal_file(accurate(tmp_path)))
+
+
+LIP = """
+[material.rubber]
+shore_a = 60
+[section]
+spacing = 0.4
+edge_spacing = {{ tip = {tip} }}
+accuracy = {{ {accuracy} }}
+outer = [
+  {{ edge = "foot", line = [[-0.5, 0.0], [0.5, 0.0]] }},
+  {{ edge = "front", line = [[0.5, 0.0], [0.5, 3.0]] }},
+  {{ edge = "tip", arc = {{ start = [0.5, 3.0], through = [0.0, 3.5], end = [-0.5, 3.0] }} }},
+  {{ edge = "back", line = [[-0.5, 3.0], [-0.5, 0.0]] }},
+]
+[fixed]
+edges = ["foot"]
+[[profile]]
+name = "plate"
+friction = 0.2
+contact = ["tip"]
+line = [[-9.0, 0.0], [9.0, 0.0]]
+start = [0.0, 3.5]
+normal_penalty = 1e7
+tangent_penalty = 3e5
+stage = [{{ translate = [0.0, -0.01], steps = 4 }}]
+[[measure]]
+type = "reaction"
+[[measure]]
+type = "contact_width"
+[[measure]]
+type = "peak_pressure"
+[[measure]]
+type = "pressure_integral"
+exponent = 2
+reference_pressure = 100.0
+"""
+"""A round tip of 0.5 mm, pressed by so little that few points touch."""
+
+
+def lip(folder, accuracy, tip=0.04):
+    path = folder / "lip.toml"
+    path.write_text(LIP.format(accuracy=accuracy, tip=tip))
+    return path
+
+
+def test_too_few_points_in_contact(tmp_path):
+    """Two clouds agree about a width between three points to 2 %, which is wrong by 10 %: the edge in
+    contact, and nothing else, is refined until five points touch."""
+    path, tried = lip(tmp_path, 'contact_width = "8 %"'), []
+    file, seal = file_and_seal(sm.read_seal_file(path), report=tried.append)
+
+    def wrong(result):
+        # Hertz: a = sqrt(4 F R / (pi E*)) with E* = 6 C10 / 0.75 and the force on the plate
+        stiffness = 6.0 * result.seal.materials["rubber"].c10 / 0.75
+        half = np.sqrt(4.0 * result.reaction[-1, 1] * 0.5 / (np.pi * stiffness))
+        return abs(result.value("contact_width")[0] / (2.0 * half) - 1.0)
+
+    assert tried[0].worst.error <= 0.02
+    assert wrong(tried[0].result) > 0.08
+    assert wrong(analyze(seal)) <= 0.08
+    points = [int((cloud.result.response("plate").gap < 0.0).sum()) for cloud in tried]
+    assert points[0] < 5 <= points[-1]
+    assert [cloud.few_points is None for cloud in tried] == [own >= 5 for own in points]
+    for before, after in pairwise(tried):
+        sections = before.file.section, after.file.section
+        assert sections[0].spacing == sections[1].spacing
+        assert set(sections[1].edge_spacing) == {"tip"}
+        # 0.9 h n / 5
+        most = sections[0].edge_spacing["tip"] * max(0.3, 0.9 * before.few_points.count / 5)
+        assert 0.9 * most <= sections[1].edge_spacing["tip"] <= most
+    assert cloud_line(tried[0]).endswith(
+        "(at most 8 %); contact_width has only 3 points in contact with plate (at least 5)"
+    )
+    assert cloud_line(tried[-1]).endswith("(at most 8 %)")
+    # the choice is fixed
+    assert chosen_for(file, seal)["filling"]["edge_spacing"] == file.section.edge_spacing
+
+
+def test_points_that_are_not_reached(tmp_path, monkeypatch):
+    monkeypatch.setattr(chosen_spacing, "ROUNDS", 1)
+    with pytest.raises(
+        ValueError, match=r"contact_width has only 3 points .* mm along tip, at least 5 are needed"
+    ):
+        refine(sm.read_seal_file(lip(tmp_path, 'contact_width = "8 %"')))
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "few"),
+    [
+        ('reaction = "8 %"', None),
+        ('pressure_integral = "8 %"', None),
+        ('reaction = "8 %", peak_pressure = "9 %"', "peak_pressure has only 1 point in"),
+    ],
+)
+def test_integrals_need_no_points(tmp_path, accuracy, few):
+    """A force is the sum over the points; a peak is between two of them."""
+    file = sm.read_seal_file(lip(tmp_path, accuracy, tip=0.1))
+    found = Cloud(file, analyze(unchosen_seal(file)), {}).few_points
+    assert (None if found is None else str(found)[: len(few)]) == few
+
+
+def test_no_contact_needs_no_points(tmp_path):
+    """The plate stays 1 mm above the tip."""
+    path = lip(tmp_path, 'contact_width = "8 %"')
+    path.write_text(path.read_text().replace("start = [0.0, 3.5]", "start = [0.0, 4.5]"))
+    file = sm.read_seal_file(path)
+    assert Cloud(file, analyze(unchosen_seal(file)), {}).few_points is None
 
 
 @pytest.fixture(scope="module")

@@ -11,13 +11,22 @@ from cord_files import cord
 from seal_file.block_files import BLOCK, FIXED, MOVED
 
 import seal_mdao as sm
-from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors, some_ends
+from seal_mdao.accuracy.error_estimate import (
+    ErrorEstimate,
+    _by_particles,
+    estimate_errors,
+    some_ends,
+)
 from seal_mdao.accuracy.refined_file import refined_file
 from seal_mdao.analysis.increment import Solution
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.cli.error_table import error_lines
 from seal_mdao.cli.subcommands import main
+from seal_mdao.measures.contact_pressure import ContactWidth
+from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.retention import CompressionSet, RetainedForce, TimeToForceFraction
+from seal_mdao.measures.work import ProfileWork
 from seal_mdao.plotting import error_parts
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.result import analyze
@@ -46,10 +55,16 @@ def test_formulas(tmp_path):
     seal = result.seal
     fine = unchosen_seal(refined_file(file, seal).file)
     ends = some_ends(seal, 8)
-    few, on_fine = force(analyze(seal.with_ends(ends))), force(analyze(fine.with_ends(ends)))
+    paths = [analyze(own.with_ends(ends)) for own in (seal, fine)]
+    few, on_fine = (force(path) for path in paths)
+    along = 4 / 3 * np.subtract(*([force(own) for own in path.up_to_each_step()] for path in paths))
     found = estimate_errors(file, result)["reaction"]
     # iterations end at a residual of 1e-5 of the forces
     assert found.particles[0] == pytest.approx(4 / 3 * (few - on_fine), abs=4e-5 * few)
+    rms = np.sqrt(np.mean(along[4:] ** 2))
+    assert found.fluctuation[0] == pytest.approx(rms, abs=4e-5 * few)
+    # that over the complete path is another one
+    assert abs(rms - np.sqrt(np.mean(along**2))) > 8e-5 * few
     assert found.load_steps[0] == pytest.approx((few - force(result)) / 3, abs=1e-5 * few)
 
 
@@ -107,6 +122,101 @@ def test_bar_and_error():
     assert found.error == pytest.approx(0.25)
     assert found.bar == pytest.approx(0.45)
     assert replace(found, penalties=None).error is None
+    # a fluctuation makes the bar longer, and no error larger
+    wide = replace(found, fluctuation=np.array([0.5]))
+    assert wide.error == pytest.approx(0.25)
+    assert wide.bar == pytest.approx(0.65)
+    assert replace(found, fluctuation=np.array([0.2])).bar == pytest.approx(0.45)
+    assert replace(wide, particles=None).bar is None
+
+
+STRIP = """
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 500.0
+c01 = 125.0
+bulk_modulus = 400000.0
+[section]
+spacing = {spacing}
+outer = [
+  {{ edge = "base", line = [[-6, 0], [6, 0]] }},
+  {{ edge = "dome", arc = {{ start = [6, 0], through = [0, 6], end = [-6, 0] }} }},
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "door"
+contact = ["dome"]
+friction = 0.3
+line = [[-40, 0], [40, 0]]
+start = [0, 6]
+stage = [{{ translate = [0, -1.8] }}]
+[[measure]]
+type = "contact_width"
+"""
+"""A half-round strip, glued at its base and squeezed by 30 %."""
+
+
+def test_agreement_by_chance(tmp_path):
+    """At the end of the path two coarse clouds have nearly the same width, which is wrong by several
+    percent: before the end their widths differ."""
+
+    def width(spacing):
+        path = tmp_path / "strip.toml"
+        path.write_text(STRIP.format(spacing=spacing))
+        file, result = analyzed(path)
+        return file, result, result.value("contact_width")
+
+    file, result, coarse = width(2.2)
+    found = estimate_errors(file, result)["contact_width"]
+    actual = abs(coarse - width(0.6)[2])
+    assert abs(found.particles) < 0.25 * actual
+    assert 0.5 * actual < found.bar < 2.0 * actual
+    (line,) = [own for own in error_lines({"contact_width": found}, result) if "+- of" in own]
+    assert "oscillates along the path; +- of contact_width contains" in line
+
+
+def test_decreasing_values():
+    """A tenth of a value that is five times that at the end, as of a strip that is released, is no half
+    of that at the end; and a value before the end that is not finite is left out."""
+
+    def compared(measure, earlier=(10.0, 9.0)):
+        def path(value):
+            return SimpleNamespace(value=lambda own: np.array([value]))
+
+        paths = SimpleNamespace(
+            coarse=path(2.0), fine=path(1.94), kept=None,
+            before_end=[(path(earlier[0]), path(earlier[1]))],
+        )  # fmt: skip
+        return _by_particles(measure, paths, 2.0).ravel()
+
+    measure = SimpleNamespace(name="own", at_end=True, on_refined=lambda fine, kept: "own")
+    assert compared(measure) == pytest.approx([4 / 3 * 0.2, 4 / 3 * 0.06])
+    assert compared(measure, (1.0, 0.9)) == pytest.approx([4 / 3 * 0.1, 4 / 3 * 0.06])
+    assert compared(measure, (10.0, np.nan)) == pytest.approx([4 / 3 * 0.06])
+    measure.at_end = False
+    assert compared(measure) == pytest.approx([4 / 3 * 0.06])
+
+
+@pytest.mark.parametrize(
+    ("measure", "at_end"),
+    [
+        (Reaction("lid"), True),
+        (Reaction("lid", travels=(1.0,)), False),
+        (Reaction("lid", stages=(1,)), False),
+        (Reaction("lid", times=(1.0,)), False),
+        (RetainedForce(Reaction("lid", stages=(1, 2))), False),
+        (TimeToForceFraction(Reaction("lid"), 0.5), False),
+        (CompressionSet(0), False),
+        (ProfileWork("lid"), True),
+        (ProfileWork("lid", stages=(0, 1)), False),
+        (BlowOffPressure("water"), False),
+        (ContactWidth("lid"), True),
+    ],
+)
+def test_measures_at_the_end(measure, at_end):
+    """Those at given stages or travels have other values on a shorter path, or none."""
+    assert measure.at_end is at_end
 
 
 def test_few_ends(tmp_path):

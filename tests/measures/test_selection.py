@@ -236,7 +236,7 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
     path = tmp_path / "lip.toml"
     path.write_text(LIP.format(finer=finer))
     result = sm.analyze(sm.build_seal(path))
-    assert points_around_peak(result.response("plate").gap) == count
+    assert len(points_around_peak(result.response("plate").gap)) == count
     (found,) = result.warnings
     assert warning in found
     # p = sqrt(F E / (1 - nu^2) / (pi R)) of an incompressible tip with E = 6 C10
@@ -249,13 +249,13 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
 
 
 @pytest.mark.parametrize(
-    ("gap", "count"),
+    ("gap", "points"),
     [
-        ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], 2),
-        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], 4),  # a closed boundary, around its first point
-        ([-0.1, -0.2, -0.1], 3),
-        ([0.1, 0.0], 0),
+        ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], [1, 2]),
+        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], [4, 5, 0, 1]),  # a closed boundary
+        ([-0.1, -0.2, -0.1], [0, 1, 2]),
+        ([0.1, 0.0], []),
     ],
 )
-def test_points_around_the_highest_pressure(gap, count):
-    assert points_around_peak(np.array(gap)) == count
+def test_points_around_the_highest_pressure(gap, points):
+    assert points_around_peak(np.array(gap)).tolist() == points
