@@ -37,8 +37,9 @@ class BoundaryLine:
 
     def add_partials(self, by_length, particles_bar) -> None:
         """Add d/d(particles) (n, 2) of a function with derivatives ``by_length`` (k - 1,)."""
-        # L = |x_2 - x_1|:  dL/dx_2 = (x_2 - x_1) / L = -dL/dx_1
-        pull = (by_length / self.length)[:, None] * self.edges
+        # L = |x_2 - x_1|:  dL/dx_2 = (x_2 - x_1) / L = -dL/dx_1;  0 between the points of a corner
+        length = np.where(self.length > 0.0, self.length, 1.0)
+        pull = (by_length / length)[:, None] * self.edges
         on_points = np.zeros((len(self.where), 2))
         on_points[self.stretch[1:]] += pull
         on_points[self.stretch[:-1]] -= pull
@@ -99,7 +100,7 @@ def contact_fractions(gap, length, modulus, penalty: float) -> ContactFractions:
     gap : ndarray, shape (k,)
         Gaps in order along the boundary; p = w_n |g| in contact.
     length : ndarray, shape (k - 1,)
-        L, mm.
+        L, mm; zero between the two points of a sharp corner.
     modulus : ndarray, shape (k,)
         E* = E / (1 - nu^2) at the points, kPa.
     penalty : float
@@ -110,6 +111,7 @@ def contact_fractions(gap, length, modulus, penalty: float) -> ContactFractions:
     ends = first | ((a >= 0.0) & (b < 0.0))
     pressed, opened = (np.where(ends, own, 1.0) for own in (-np.minimum(a, b), np.maximum(a, b)))
     closed = np.arange(len(a)) + ~first
+    length = np.where(length > 0.0, length, 1.0)
     c = (0.75 * modulus[closed] * opened / (penalty * pressed * length)) ** (2.0 / 3.0)
     psi = _root(c)
     # dphi/dc = -3 phi / (3 psi^2 + c),  dc/c = 2/3 d ln(E* g / (w_n |g_c| L))

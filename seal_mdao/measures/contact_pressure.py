@@ -23,7 +23,7 @@ from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.selection import contact_patches
 from seal_mdao.measures.smooth_peaks import MEAN_ORDER, lehmer_mean
-from seal_mdao.terms.averaged_points import CORNER
+from seal_mdao.terms.averaged_points import sharp_corners
 from seal_mdao.values import place
 
 ENOUGH, SOME = 5, 3
@@ -258,8 +258,8 @@ def unresolved_peaks(result) -> tuple[str, ...]:
 
 
 def pressed_corners(result) -> tuple[str, ...]:
-    """Warn of measured contact pressures beside a sharp corner of the section whose single contact point
-    represents both of its sides, one line for each profile."""
+    """Warn of measured contact pressures beside a sharp corner of the section where contact at particles
+    has one contact point for both sides, one line for each profile."""
     lines = []
     for profile in _measured_profiles(result):
         where, gap = result.term(profile).where, result.response(profile).gap
@@ -269,8 +269,9 @@ def pressed_corners(result) -> tuple[str, ...]:
             lines.append(
                 f"{profile!r} presses on a sharp corner of the section, at {corner} (undeformed "
                 "coordinates): its contact point represents both sides of the corner, so the "
-                "pressure there and beside it may be wrong by 15 to 40 %; list only the pressed "
-                "edges in contact of this profile, or round the corner"
+                "pressure there and beside it may be wrong by 15 to 60 %; use "
+                'contact_points = "averages" for this profile, which has a contact point for each '
+                "side, list only the pressed edges in contact of this profile, or round the corner"
             )
     return tuple(lines)
 
@@ -280,9 +281,4 @@ def two_sided_corners(where, particles) -> np.ndarray:
     after them."""
     if where.edges.shape[1] != 2:  # points in the middle of a side
         return np.zeros(len(where), bool)
-    # from the point to its neighbours; zero where there is none
-    sides = particles[where.edges[..., 1]] - particles[where.edges[..., 0]]
-    length = np.hypot(sides[..., 0], sides[..., 1])
-    # cosine of the angle by which the boundary turns, over both lengths; 0 < 0 without a side
-    turn = -np.einsum("ki,ki->k", sides[:, 0], sides[:, 1])
-    return turn < CORNER * length[:, 0] * length[:, 1]
+    return sharp_corners(where.edges, particles)

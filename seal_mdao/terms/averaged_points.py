@@ -6,7 +6,9 @@ The mean of ``rkpm.averages`` over the edges from A to its neighbours B has the 
 
 With gamma = 1/2 its second moment is zero: the mean of a smooth curve lies on the curve up to the fourth
 power of the spacing. gamma = 1 gives the dual hat functions (B. I. Wohlmuth, SIAM J. Numer. Anal. 38
-(2000) 989), whose mean of a linear field is its value at A: corners and ends stay where they are.
+(2000) 989), whose mean of a linear field is its value at A: straight ends stay where they are.
+A sharp corner has two points, each with the edge on its side of the corner alone, whose means lie
+(1 - gamma) / 3 of the length of this edge away from the corner.
 The Gauss points of a curved edge of length h lie on the parabola with X'' of one of its ends,
 
     X_q = N_A X_A + N_B X_B - (h^2 / 12) X''.
@@ -26,15 +28,19 @@ CORNER = np.cos(np.deg2rad(45.0))
 STRAIGHT = 1e-9
 """Bend h^2 |X''| of an edge over its length, below which it is rounding."""
 
-SMOOTH, DUAL = 0.5, 1.0
-"""gamma of other edges, and of those beside a corner or, where they are straight, at an end."""
+SMOOTH, DUAL, BESIDE_CORNER = 0.5, 1.0, 0.94
+"""gamma of other edges, of straight ones at an end, and of those beside a sharp corner.
+
+The points of a corner lie 2 % of an edge inside of their sides: if a profile presses on one side, the
+point of the free side beside it does not touch, unless the penetration is as large.
+"""
 
 
 def averaged_points(
     which: np.ndarray, neighbours: np.ndarray, nominal, axisymmetric: bool = False
 ) -> MaterialPoints:
     """Create boundary points that move as the mean of the edges beside each particle, with half of
-    their lengths.
+    their lengths; two at a sharp corner, one for each of its sides.
 
     Parameters
     ----------
@@ -46,16 +52,18 @@ def averaged_points(
     axisymmetric : bool
         Whether the edges are turned about the axis x = 0.
     """
+    which, neighbours, divided = _divided_corners(which, neighbours, nominal)
     where = boundary_particles(which, neighbours)
     # edges from A to B, the particle C before A, the edge from B to A where there is one
     a, b = edges = where.edges.reshape(-1, 2).T
     c = where.edges[:, ::-1, 1].ravel()
     back, known = _opposite(edges)
-    factors, inner, corner = _curvature(nominal, a, b, c)
-    smooth, at_corner = inner & ~corner, corner | (corner[back] & known)
+    factors, inner = _curvature(nominal, a, b, c)
+    corner = np.repeat(divided, 2)
+    at_corner = corner | (corner[back] & known)
     bend = np.einsum("mj,mji->mi", factors, nominal[np.column_stack([a, b, c])])
     bend[np.hypot(*bend.T) < STRAIGHT * np.hypot(*(nominal[b] - nominal[a]).T)] = 0.0
-    near, far = _curved(bend, bend[back], smooth, smooth[back] & known, a < b)
+    near, far = _curved(bend, bend[back], inner, inner[back] & known, a < b)
     near, far = (own & ~at_corner for own in (near, far))
     # h^2 X'' at A by (A, B, C), or at B by (B, A, D)
     one, two = near[:, None] * factors, far[:, None] * factors[back]
@@ -73,7 +81,8 @@ def averaged_points(
         # the axis is no end: the mirror image follows, and dual hats have no weight there
         inside = (inner | (nominal[a, 0] == 0.0)) & known
     straight_end = ~(inside & inside[back]) & ~(near | far)
-    gamma = np.where(at_corner | straight_end, DUAL, SMOOTH)[:, None]
+    gamma = np.where(straight_end, DUAL, SMOOTH)
+    gamma = np.where(at_corner, BESIDE_CORNER, gamma)[:, None]
     fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
     radial = None
     if axisymmetric:
@@ -85,6 +94,38 @@ def averaged_points(
     return replace(where, averages=averages, radial=radial)
 
 
+def sharp_corners(edges: np.ndarray, particles: np.ndarray) -> np.ndarray:
+    """Find the points at which the boundary turns by more than the angle of ``CORNER``.
+
+    Parameters
+    ----------
+    edges : ndarray of int, shape (k, 2, 2)
+        From the particle of a point to those before and after; to itself where there is none.
+    particles : ndarray, shape (n, 2)
+
+    Returns
+    -------
+    ndarray of bool, shape (k,)
+    """
+    sides = particles[edges[..., 1]] - particles[edges[..., 0]]
+    length = np.hypot(sides[..., 0], sides[..., 1])
+    # cosine of the angle by which the boundary turns, over both lengths; 0 < 0 without an edge
+    turn = -np.einsum("ki,ki->k", sides[:, 0], sides[:, 1])
+    return turn < CORNER * length[:, 0] * length[:, 1]
+
+
+def _divided_corners(which, neighbours, nominal) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Divide every sharp corner into two points, one with the edge before and one with the edge after
+    it; the particles and neighbours of all points, and which of them are at a sharp corner."""
+    sharp = sharp_corners(boundary_particles(which, neighbours).edges, nominal)
+    rows = np.repeat(np.arange(len(sharp)), 1 + sharp)
+    which, neighbours, sharp = np.asarray(which)[rows], np.asarray(neighbours)[rows], sharp[rows]
+    after = np.append(False, rows[1:] == rows[:-1])
+    before = sharp & ~after
+    neighbours[before, 1], neighbours[after, 0] = which[before], which[after]
+    return which, neighbours, sharp
+
+
 def _opposite(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the edge from B to A of every edge (2, m) from A to B, and whether there is one."""
     base = edges.max() + 1
@@ -94,17 +135,16 @@ def _opposite(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return found, key[found] == wanted
 
 
-def _curvature(nominal, a, b, c) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _curvature(nominal, a, b, c) -> tuple[np.ndarray, np.ndarray]:
     """Compute factors (m, 3) of X_A, X_B and X_C in h^2 X'' at A, with C before A and h the length of
-    the edge from A to B; whether A has both neighbours, and whether it is a corner."""
+    the edge from A to B; and whether A has both neighbours."""
     before, after = nominal[a] - nominal[c], nominal[b] - nominal[a]
     h_1, h_2 = np.hypot(*before.T), np.hypot(*after.T)
     inside = (h_1 > 0.0) & (h_2 > 0.0)
     h_1, h_2 = np.where(inside, h_1, 1.0), np.where(inside, h_2, 1.0)
-    corner = inside & (np.einsum("mi,mi->m", before, after) < CORNER * h_1 * h_2)
     # X'' = 2 / (h_1 + h_2) [(X_B - X_A) / h_2 - (X_A - X_C) / h_1]
     by_b, by_c = 2.0 * h_2 / (h_1 + h_2), 2.0 * h_2**2 / (h_1 * (h_1 + h_2))
-    return np.column_stack([-by_b - by_c, by_b, by_c]), inside, corner
+    return np.column_stack([-by_b - by_c, by_b, by_c]), inside
 
 
 def _curved(bend, other, smooth, far_smooth, first) -> tuple[np.ndarray, np.ndarray]:

@@ -68,8 +68,13 @@ class MaterialPoints:
         return self.points.anchors[:, 0]
 
     def mean_at_particles(self, values: np.ndarray, n_particles: int) -> np.ndarray:
-        """At every particle the mean of the ``values`` (k,) of the points beside it, zero elsewhere."""
+        """At every particle the mean of the ``values`` (k,) of the points beside it, the larger one of
+        two points at a sharp corner, zero elsewhere."""
         anchors, weights = self.points.anchors.ravel(), self.points.weights
+        if self.points.anchors.shape[1] == 1:
+            largest = np.full(n_particles, -np.inf)
+            np.maximum.at(largest, anchors, values)
+            return np.where(largest > -np.inf, largest, 0.0)
         # sum of weight v over sum of weight
         total = np.bincount(anchors, weights.ravel(), n_particles)
         summed = np.bincount(anchors, (weights * values[:, None]).ravel(), n_particles)

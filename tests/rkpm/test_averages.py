@@ -22,14 +22,21 @@ def table_of(cloud, where):
     return averaged_table(cloud, where.moving, essential_transformation(nothing, own.raw))
 
 
-@pytest.fixture(params=[(1, False), (2, False), (1, True), (2, True)], ids=str)
+@pytest.fixture(
+    params=[(1, False, 0), (2, False, 0), (1, True, 0), (2, True, 0), (1, False, 3), (2, True, 3)],
+    ids=str,
+)
 def averaged(request, rng):
     """An irregular cloud, in plane strain or turned about an axis, the means along one of its rows of
-    particles, and their table."""
-    order, around = request.param
+    particles, which may turn by 90 degrees, and their table."""
+    order, around, turned = request.param
     cloud = irregular_cloud(rng, n=N, order=order, origin=(2.0 * around, 0.0))
     row = np.arange(3, N * N, N)
+    if turned:
+        # up to the middle of the row, then along the other direction
+        row = np.concatenate([row[: turned + 1], turned * N + np.arange(4, N)])
     where = averaged_points(row, Edge(row, False).neighbours, cloud.particles, around)
+    assert len(where) > len(row) or not turned
     return cloud, row, where, table_of(cloud, where)
 
 
@@ -70,11 +77,15 @@ def test_means_of_a_curve_lie_on_it():
     assert np.all(errors[:-1] / errors[1:] > 14.0)
 
 
-def test_corners_and_straight_ends_stay_where_they_are():
+def test_straight_ends_stay_where_they_are_and_points_of_corners_lie_on_their_sides():
+    """2 % of a side away from the corner."""
     corner = np.array([[0.0, 0.0], [1.0, 0.0], [1.8, 0.0], [1.8, 0.5], [1.8, 1.7]])
     row = np.arange(5)
     where = averaged_points(row, Edge(row, False).neighbours, corner)
-    np.testing.assert_allclose(where.moving.at(corner)[[0, 2, 4]], corner[[0, 2, 4]], atol=1e-15)
+    assert where.points.anchors[:, 0].tolist() == [0, 1, 2, 2, 3, 4]
+    found = where.moving.at(corner)[[0, 2, 3, 5]]
+    exact = [[0.0, 0.0], [1.784, 0.0], [1.8, 0.01], [1.8, 1.7]]
+    np.testing.assert_allclose(found, exact, atol=1e-15)
 
 
 def test_rates_are_the_limit_of_central_differences(averaged, rng):

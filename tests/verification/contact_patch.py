@@ -6,7 +6,7 @@ import numpy as np
 
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.analysis.path_result import PathResult
-from seal_mdao.contact.friction import ContactLaw
+from seal_mdao.contact.friction import OPEN, ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.discretization import Edge
 from seal_mdao.geometry.motion import straight_motion
@@ -48,8 +48,9 @@ class ContactPatch(NamedTuple):
 
     @property
     def deviation(self) -> float:
-        """Largest difference of a pressure from the mean, over the mean."""
-        return float(np.abs(self.pressure / self.pressure.mean() - 1.0).max())
+        """Largest difference of a pressure from the mean, over the mean, of the points in contact."""
+        pressure = self.pressure[self.state != OPEN]
+        return float(np.abs(pressure / pressure.mean() - 1.0).max())
 
 
 def block(share: float, basis_order: int):
@@ -66,13 +67,21 @@ def contact_points(kind: str, row: np.ndarray, particles: np.ndarray) -> Materia
     return boundary_particles(row, neighbours)
 
 
-def pressed(kind: str, share: float, basis_order: int = 1, squeeze: float = 0.1) -> ContactPatch:
-    """A block on a smooth base beside a plane of symmetry, its other side free, below a smooth plate."""
+def pressed(
+    kind: str, share: float, basis_order: int = 1, squeeze: float = 0.1, sides: bool = False
+) -> ContactPatch:
+    """A block on a smooth base beside a plane of symmetry, its other side free, below a smooth plate.
+
+    With ``sides`` the plate may touch both sides, too, around sharp corners.
+    """
     grid, X, support = block(share, basis_order)
     fixed = fixed_components(len(X), x=grid.left, y=grid.bottom)
     body = grid_body(grid, X, fixed, support, basis_order=basis_order)
     motion = straight_motion((0.0, 1.0), (0.0, 1.0 - squeeze), STEPS)
-    plate = _plate(kind, grid, X, motion, friction=0.0)
+    row = grid.top[::-1]
+    if sides:
+        row = np.concatenate([grid.right, row[1:-1], grid.left[::-1]])
+    plate = _plate(kind, row, X, motion, friction=0.0)
     path = solve(body, X, (elastic_body(MATERIAL), plate), STEPS, None, OPTIONS)
     return _found(path)
 
@@ -95,18 +104,19 @@ def slid(kind: str, share: float, basis_order: int = 1) -> tuple[ContactPatch, f
     body = grid_body(grid, X, fixed, support, basis_order=basis_order)
     # g = y - x_2 = P_22 / w_n,  mu = P_12 / |P_22|
     motion = straight_motion((0.0, 1.0), (1.0, F[1, 1] + normal / PENALTY), STEPS)
-    plate = _plate(kind, grid, X, motion, friction=abs(shear / normal))
+    # the free side on its left: walked from the right end
+    row = grid.top[::-1]
+    plate = _plate(kind, row, X, motion, friction=abs(shear / normal))
     u = X @ (F - np.eye(2)).T
     path = solve(body, X, (elastic_body(MATERIAL), plate), STEPS, grown(u, STEPS), OPTIONS)
     return _found(path), float(np.abs(path.displacement() - u).max())
 
 
-def _plate(kind, grid, particles, motion, friction: float) -> RigidContact:
+def _plate(kind, row, particles, motion, friction: float) -> RigidContact:
     law = ContactLaw(PENALTY, 1e5, friction, True)
-    # the free side on its left: walked from the right end
     return RigidContact(
         "plate",
-        contact_points(kind, grid.top[::-1], particles),
+        contact_points(kind, row, particles),
         GivenShape(flat_profile()),
         motion,
         law,

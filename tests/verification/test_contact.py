@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seal_mdao.contact.friction import SLIP
+from seal_mdao.contact.friction import OPEN, SLIP
 from verification.contact_patch import pressed, slid
 from verification.hertz import press_cylinder
 from verification.sliding import drag_block, pull_belt
@@ -108,6 +108,19 @@ def test_contact_patch_test(figure, share, basis_order):
     figure(f"contact patch test, order {basis_order}", patch.deviation, TOLERANCES["patch"])
     # what contact at the particles leaves
     assert pressed("particles", share, basis_order).deviation > 0.1
+
+
+@pytest.mark.parametrize("basis_order", [1, 2])
+@pytest.mark.parametrize("share", [0.0, 0.25], ids=["even", "uneven"])
+def test_contact_patch_test_with_free_sides(figure, share, basis_order):
+    """The plate may touch both sides of the block: of the two points of a corner one is pressed."""
+    alone, patch = (pressed("averages", share, basis_order, sides=own) for own in (False, True))
+    assert (patch.state != OPEN).sum() == len(alone.pressure)
+    name = f"contact patch test with free sides, order {basis_order}"
+    figure(name, patch.deviation, TOLERANCES["patch"])
+    assert patch.pressure.max() == pytest.approx(alone.pressure.max(), rel=TOLERANCES["patch"])
+    # what a single point of a corner leaves
+    assert pressed("particles", share, basis_order, sides=True).deviation > 0.1
 
 
 @pytest.mark.parametrize("basis_order", [1, 2])

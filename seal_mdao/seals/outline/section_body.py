@@ -53,13 +53,14 @@ class SectionBody(NamedTuple):
     def edge_numbers(self, edges, where: MaterialPoints) -> np.ndarray:
         """Find the edge at which every point lies, as its place in ``edges``, shape (k,).
 
-        The first one that has all particles of the point; a corner belongs to two.
+        The one that has all sides of the point, such as those of one of two points at a sharp corner;
+        else the first one that has all particles of the point, since a corner belongs to two.
         """
         found = np.full(len(where), -1)
-        for number, name in reversed(list(enumerate(edges))):
-            # all anchors of the point are particles of the edge
-            own = np.isin(where.points.anchors, self.body.edge(name).particles).all(axis=1)
-            found[own] = number
+        particles = [self.body.edge(name).particles for name in edges]
+        for of_point in (where.points.anchors, where.edges.reshape(len(where), -1)):
+            for number, own in reversed(list(enumerate(particles))):
+                found[np.isin(of_point, own).all(axis=1)] = number
         return found
 
     def contact_points(self, edges, at: str = "particles") -> MaterialPoints:
@@ -70,7 +71,7 @@ class SectionBody(NamedTuple):
         edges : sequence of str
         at : {"particles", "edges", "averages"}
             The free particles with their tributary lengths, the midpoints of the straight sides, or the
-            free particles that move as the mean of the sides beside them.
+            free particles that move as the mean of the sides beside them, two at a sharp corner.
 
         Raises
         ------
