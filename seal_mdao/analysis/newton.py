@@ -62,20 +62,20 @@ def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 
-def _cycle(visited: list) -> list:
-    """Return the displacements of one cycle where the last are those of a few iterations before, so
-    that the next are, too; an empty list where they are not.
+def _cycle(visited: list) -> int:
+    """Return the number of iterations of one cycle where the last displacements are those of a few
+    iterations before, so that the next are, too; 0 where they are not.
 
     Points that alternately stick and slip, or touch and open, make Newton's method cycle.
     """
     if len(visited) <= SHORTEST_CYCLE:
-        return []
+        return 0
     d, step = visited[-1], np.abs(visited[-1] - visited[-2]).max()
     # |d_k - d_(k-p)| << |d_k - d_(k-1)| for a period p
     for period in range(SHORTEST_CYCLE, min(LONGEST_CYCLE, len(visited) - 1) + 1):
         if np.abs(d - visited[-1 - period]).max() <= SAME_PLACE * step:
-            return visited[-period:]
-    return []
+            return period
+    return 0
 
 
 def newton(increment: Increment, guess: np.ndarray) -> Solution:
@@ -95,37 +95,57 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
     mixed : bool
         Whether the linearisations are those of mixed iterations (``mixed_newton``).
     """
-    options, residuals, visited, now = increment.options, [], [], None
+    found, cycle = _iterate(increment, d, iteration, mixed)
+    state = increment.problem.through_slip(cycle) if cycle else None
+    if state is None:
+        return found
+    # from the last iterate, with points that pass through slip between open and stick
+    again, _ = _iterate(increment, found.assembly.d, state, mixed)
+    again = again.after(found.residuals[:-1])
+    return again if again.converged else found._replace(residuals=again.residuals)
+
+
+def _iterate(increment: Increment, d, iteration, mixed: bool) -> tuple[Solution, list]:
+    """Iterate until the iterations converge, fail or cycle.
+
+    Returns
+    -------
+    Solution
+    list of tuple
+        ``Assembly.iteration`` of the iterates of one cycle; empty where they do not cycle.
+    """
+    options, residuals, visited, states, now = increment.options, [], [], [], None
     for number in range(options.max_iterations + 1):
         last, now = now, increment.evaluate(d, iteration, tangent=not mixed)
         if now is None:
-            return Solution(Status.INVERTED, d, tuple(residuals), last)
+            return Solution(Status.INVERTED, d, tuple(residuals), last), []
         residuals.append(now.size)
         if not np.isfinite(now.size):
-            return Solution(Status.DIVERGED, d, tuple(residuals), now)
+            return Solution(Status.DIVERGED, d, tuple(residuals), now), []
         done = converged(now, options)
         if number == options.max_iterations and not done:
             break
         visited.append(d)
-        cycle = [] if done else _cycle(visited)
-        if cycle:
-            return Solution(Status.CYCLED, np.mean(cycle, axis=0), tuple(residuals), now)
+        states.append(now.iteration)
+        period = 0 if done else _cycle(visited)
+        if period:
+            mean = np.mean(visited[-period:], axis=0)
+            return Solution(Status.CYCLED, mean, tuple(residuals), now), states[-period:]
         if mixed:
             # tangent and force of the mixed linearisation at the same d
             now = increment.evaluate(d, now.iteration, mixed=not done)
         try:
             if done:
-                return Solution(
-                    Status.CONVERGED, d, tuple(residuals), now, now.factorize(check=True)
-                )
+                factor = now.factorize(check=True)
+                return Solution(Status.CONVERGED, d, tuple(residuals), now, factor), []
             # K dd = -r, Eq. (44)
             factor = now.factorize()
             d = d - increment.gather(factor.solve(now.residual))
         except np.linalg.LinAlgError:
-            return Solution(Status.SINGULAR, d, tuple(residuals), now)
+            return Solution(Status.SINGULAR, d, tuple(residuals), now), []
         if mixed:
             # the linear step with the contact law itself between facing walls
             contacts = increment.problem.linear_contacts(now.iteration, increment.history)
             d = with_contact(increment, contacts, d, factor)
         iteration = now.iteration
-    return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now)
+    return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now), []

@@ -123,6 +123,19 @@ class PathProblem:
         for term, own in zip(self.terms, iteration or [None] * len(self.terms), strict=True):
             term.begin(own)
 
+    def through_slip(self, cycle: list) -> tuple | None:
+        """Return the state that continues the iterations of one ``cycle``, a list of
+        ``Assembly.iteration``, with contact points that pass through slip between open and stick; None
+        where no point passed over slip."""
+        found = [
+            term.through_slip(list(own))
+            for term, own in zip(self.terms, zip(*cycle, strict=True), strict=True)
+        ]
+        if all(own is None for own in found):
+            return None
+        both = zip(found, cycle[-1], strict=True)
+        return tuple(last if own is None else own for own, last in both)
+
     def begin_mixed(self, step: ConvergedStep, target: float) -> tuple:
         """Return the state of mixed iterations at ``target`` whose first linearisation is ``step``."""
         self._begin(None)

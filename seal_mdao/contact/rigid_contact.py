@@ -27,7 +27,12 @@ from seal_mdao.contact.kinks import (
     no_kinks,
     rounding_of,
 )
-from seal_mdao.contact.rigid_forces import contact_linearization, contact_points, slip_slopes
+from seal_mdao.contact.rigid_forces import (
+    PASSED,
+    contact_linearization,
+    contact_points,
+    slip_slopes,
+)
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import has_cubics
 from seal_mdao.geometry.motion import Motion
@@ -151,7 +156,8 @@ class ContactTerm(PointTerm):
         k = len(self.where)
         self._force, self._tangent = np.empty((k, 2)), np.empty((k, 2, 2))
         self._state, self._variables = np.empty(k, np.int64), np.empty((k, 3))
-        self._gap, self._direction = np.empty((k, 1)), np.zeros(k, np.int64)
+        self._gap, self._previous = np.empty((k, 1)), np.zeros(k, np.int64)
+        self._through_slip = False
         # both sweeps come back to the steps of the path
         self.pose, self.motion_rates = cache(self.motion.pose), cache(self.motion.rates_at)
         self._linearized = ()
@@ -174,13 +180,23 @@ class ContactTerm(PointTerm):
         return self.law.potential(response.gap, self.length)
 
     def begin(self, iteration=None):
-        # direction of slip one iteration before; linearisation of mixed iterations
-        self._direction[:], linearized = (0, ()) if iteration is None else iteration
+        # states one iteration before; linearisation of mixed iterations
+        first = (0, False, ())
+        self._previous[:], self._through_slip, linearized = (
+            first if iteration is None else iteration
+        )
         self._linearized = tuple(part.copy() for part in linearized)
 
     @property
     def iteration(self):
-        return self._direction.copy(), tuple(part.copy() for part in self._linearized)
+        linearized = tuple(part.copy() for part in self._linearized)
+        return self._previous.copy(), self._through_slip, linearized
+
+    def through_slip(self, cycle):
+        previous, _, linearized = cycle[-1]
+        # states of all points in the iterations; of mixed ones at their linearised places
+        states = [places[-1] if places else own for own, _, places in cycle]
+        return (previous, True, linearized) if np.any(np.array(states) == PASSED) else None
 
     def no_history(self) -> ContactHistory:
         return no_history(len(self.where))
@@ -193,13 +209,14 @@ class ContactTerm(PointTerm):
 
     def respond(self, x, fraction, history) -> ContactResponse:
         # forces, tangents and states of all points, Eqs. (28), (29), (35), (36)
-        forced_to_stick = contact_points(
+        changed = contact_points(
             self.curve, self._law_at(x, fraction), self.pose(fraction), x, self.length, history,
-            self._direction, self._force, self._tangent, self._state, self._variables, self._gap[:, 0],
+            self._previous, self._through_slip, self._force, self._tangent, self._state, self._variables,
+            self._gap[:, 0],
         )  # fmt: skip
         return ContactResponse(
             x, self._force, self._tangent, self._state, ContactHistory(self._state, self._variables),
-            self._gap, forced_to_stick,
+            self._gap, changed,
         )  # fmt: skip
 
     def _law_at(self, x, fraction) -> ContactLaw:
@@ -217,9 +234,9 @@ class ContactTerm(PointTerm):
         linearized_positions(self.curve, pose, x, place, normal, gap)
         # places move with the profile to its pose at ``target``
         moved = self.motion.coordinates(target) - self.motion.coordinates(step.fraction)
-        # places z, normals, gaps, and directions of slip one mixed iteration before
-        no_slip = np.zeros_like(self._direction)
-        self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap, no_slip
+        # places z, normals, gaps, and states one mixed iteration before
+        not_yet = np.zeros_like(self._previous)
+        self._linearized = place + rigid_velocity(pose, x) @ moved, normal, gap, not_yet
 
     def begin_near(self, d, target, known):
         """The points at displacements ``d``, with the gaps ``known`` (k,) that their pressure needs."""
@@ -232,20 +249,20 @@ class ContactTerm(PointTerm):
         # as if linearised beside x along the tangent, where the gap is the known one
         across = np.column_stack([-normal[:, 1], normal[:, 0]])
         place = x - self._size * across
-        self._linearized = place, normal, known.copy(), np.zeros_like(self._direction)
+        self._linearized = place, normal, known.copy(), np.zeros_like(self._previous)
 
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The law linearised at the places z whose gaps the last linearisation expects: with x - z
         along the normal, f = f(z) + T(z) (x - z). Points are open, stick and slip as they do at z, so
         one that touches there is pulled back where x has a small positive gap."""
-        x, (*linearized, direction) = self.deformed(raw), self._linearized
+        x, (*linearized, previous) = self.deformed(raw), self._linearized
         place = linearized[0]
         linearized_positions(self.curve, self.pose(fraction), x, *linearized)
         # the forces at x were asked for since, where the point may be open
-        self._direction[:] = direction
+        self._previous[:] = previous
         # f(z) + T(z) (x - z)
         response = self.respond(place, fraction, history)
-        self._linearized = *linearized, self._direction.copy()
+        self._linearized = *linearized, self._previous.copy()
         response.force[:] += np.einsum("kij,kj->ki", response.tangent, x - place)
         return self.assembled(response._replace(x=x), force, values)
 
@@ -383,7 +400,7 @@ class ContactTerm(PointTerm):
         force = np.empty((k, 2))
         contact_points(
             self.curve, self.law.at(response.gap), self.pose(fraction), response.x, self.length,
-            response.history, np.zeros(k, np.int64), force, np.empty((k, 2, 2)),
+            response.history, np.zeros(k, np.int64), False, force, np.empty((k, 2, 2)),
             np.empty(k, np.int64), np.empty((k, 3)), np.empty(k),
         )  # fmt: skip
         return force

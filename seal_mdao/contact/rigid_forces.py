@@ -6,6 +6,8 @@ the printed forms term by term beside it. The law is that of ``contact.friction`
 of ``contact.kinematics``.
 """
 
+import math
+
 import numpy as np
 
 from seal_mdao.compilation import compiled, inlined, internal
@@ -29,6 +31,7 @@ from seal_mdao.contact.friction import (
     Y,
     elastic_slip,
     elastic_slip_rate,
+    friction_limit,
     law_constants,
     traction,
     traction_rate,
@@ -43,6 +46,9 @@ from seal_mdao.contact.kinematics import (
 from seal_mdao.geometry.curve import curve_velocity
 from seal_mdao.geometry.pose import in_frame, turned
 
+# What a point did in the previous Newton iteration, beside slip along e_t (1) and against it (-1):
+# not known; stick; open; stick from open, though it slips in between.
+NOT_YET, STUCK, APART, PASSED = 0, 2, 3, 4
 # Share of two terms below which their sum is rounding.
 ROUNDING = 1e-13
 
@@ -225,21 +231,44 @@ def linearize_contact_point(
 
 
 @inlined
-def _without_reversal(law, state, tau, g_t, direction, i):
-    """Let a point stick that would slip the other way round than one Newton iteration before."""
-    sense = 0
+def _slips_at_touch(tau, limit, g_n, state_0, gap_0):
+    """Whether a point of traction ``tau`` that sticks at g_n would slip at g_n -> 0-."""
+    if state_0 != OPEN:
+        # g_t = |t0| (xi - xi0) + s0 does not depend on g_n, and the limit tends to zero
+        return tau != 0.0
+    # with g_t = |t0| (xi - xi0) g_n / (g_n - g_n0) and a limit in proportion to |g_n|
+    #   lim |tau| / limit = (|tau| / limit) (g_n0 - g_n) / g_n0 > 1
+    return abs(tau) * (gap_0 - g_n) > limit * gap_0
+
+
+@inlined
+def _in_between(law, i, g_n, g_t, found, before, previous, through_slip):
+    """Let a point take the state between its previous and its present one where it passed over it:
+    stick between slip one way and the other and, with ``through_slip``, slip between open and stick."""
+    (state, tau), (state_0, gap_0), was = found, before, previous[i]
+    if was == NOT_YET and state_0 == OPEN:
+        was = APART
     if state == SLIP:
         sense = 1 if tau > 0.0 else -1
-    reversed_slip = sense * direction[i] < 0
-    direction[i] = 0 if reversed_slip else sense
-    if reversed_slip:
-        return STICK, law.tangent_penalty * g_t, 1
+        if was == -sense:
+            previous[i] = STUCK
+            return STICK, law.tangent_penalty * g_t, 1
+        previous[i] = sense
+        return state, tau, 0
+    previous[i] = STUCK
+    if was == APART:
+        limit = friction_limit(law.limits, law, i, g_n, g_t)
+        if _slips_at_touch(tau, limit, g_n, state_0, gap_0):
+            if through_slip:
+                previous[i] = 1 if g_t > 0.0 else -1
+                return SLIP, math.copysign(limit, g_t), 1
+            previous[i] = PASSED
     return state, tau, 0
 
 
 @compiled
 def contact_points(
-    profile, law, pose, x, length, history, direction, force, tangent, state, kept, gap
+    profile, law, pose, x, length, history, previous, through_slip, force, tangent, state, kept, gap
 ):
     """Forces of all contact points on a rigid profile and their tangents.
 
@@ -254,10 +283,13 @@ def contact_points(
     length : ndarray, shape (n,)
         Tributary lengths.
     history : ContactHistory
-    direction : ndarray of int, shape (n,)
-        Slip direction in the previous Newton iteration, 0 for none; updated. A point that would
-        slip the other way round has passed the stick branch in between: it is taken to stick in
-        this iteration, whatever its limit, else Newton can jump to and fro for ever.
+    previous : ndarray of int, shape (n,)
+        What the points did in the previous Newton iteration, NOT_YET where there was none; updated. A
+        point that would slip the other way round has passed the stick branch in between: it is taken to
+        stick in this iteration, whatever its limit, else Newton can jump to and fro for ever.
+    through_slip : bool
+        Whether a point that was open and would stick is taken to slip in this iteration where it slips
+        at touch, for iterations that alternate between open and stick.
     force, tangent : ndarray, shapes (n, 2), (n, 2, 2)
         Written: the contact form (29) of each point, and d force / d x.
     state, kept, gap : ndarray, shapes (n,), (n, 3), (n,)
@@ -266,10 +298,10 @@ def contact_points(
     Returns
     -------
     int
-        Points forced to stick; forces are those of Eq. (29) only when it is zero.
+        Points taken to stick or slip; forces are those of Eq. (29) only when it is zero.
     """
     local = np.empty((6, 2))
-    forced_to_stick = 0
+    changed = 0
     for i in range(x.shape[0]):
         # x in the frame of the profile, closest point (18) and gap (17)
         x_1, x_2 = in_frame(pose, x[i, 0], x[i, 1])
@@ -278,7 +310,7 @@ def contact_points(
         e_t, e_n = turned(pose, e_t), turned(pose, e_n)
         gap[i], kept[i, 0], kept[i, 1] = g_n, xi, size
         if g_n >= 0.0:
-            state[i], direction[i], kept[i, 2] = OPEN, 0, g_n
+            state[i], previous[i], kept[i, 2] = OPEN, APART, g_n
             for a in range(2):
                 force[i, a] = tangent[i, a, 0] = tangent[i, a, 1] = 0.0
             continue
@@ -286,9 +318,10 @@ def contact_points(
         # slip (19), stick or slip (28)
         change = coordinate_change(profile, xi, carried[0])
         g_t = elastic_slip(g_n, change, state_0, carried[1], carried[2])
-        state[i], tau = traction(law, i, g_n, g_t)
-        state[i], tau, made = _without_reversal(law, state[i], tau, g_t, direction, i)
-        forced_to_stick += made
+        found = traction(law, i, g_n, g_t)
+        before = state_0, carried[2]
+        state[i], tau, made = _in_between(law, i, g_n, g_t, found, before, previous, through_slip)
+        changed += made
         kept[i, 2] = tau / law.tangent_penalty if law.accumulated else 0.0
         # T.dx = w_n g_n dg_n + tau dg_t   Eq. (21), dg_n = e_n.dx, dg_t = nu e_t.dx   Eqs. (23), (26):
         # T = l (w_n g_n e_n + tau nu e_t), nu = |t||t0|/c   Eqs. (22), (27), (29), the sum b_N + b_T of
@@ -304,7 +337,7 @@ def contact_points(
         for row in range(2):
             for column in range(2):
                 tangent[i, row, column] = local[row, column]
-    return forced_to_stick
+    return changed
 
 
 @inlined

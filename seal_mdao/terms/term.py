@@ -158,6 +158,20 @@ class Term:
         evaluations must not change it. None for a term that uses nothing."""
         return None
 
+    def through_slip(self, cycle: list):
+        """Return the state of iterations in which points pass through slip between open and stick.
+
+        Parameters
+        ----------
+        cycle : list
+            ``iteration`` of the iterations of one cycle, the last of which is continued.
+
+        Returns
+        -------
+        object
+            None where no point passed over slip.
+        """
+
     def no_history(self):
         """Return the history of the undeformed state."""
 

@@ -53,7 +53,7 @@ def test_converged_steps_are_in_equilibrium(pressed):
     """And are found again from the record, whatever slip directions an iteration left behind."""
     problem = problem_of(pressed)
     for place, step in enumerate(pressed.path.steps[::5]):
-        problem.term("door")._direction[:] = place % 3 - 1
+        problem.term("door")._previous[:] = place % 3 - 1
         assembly = problem.assemble_at(step)
         assert assembly.size <= 1e-11 or assembly.rounding
         found, kept = assembly.responses[1], pressed.response("door", step)

@@ -71,15 +71,16 @@ def _at(law, profile, pose, x):
     return law.at(gap)
 
 
-def press(profile, law, x, history, direction=0, length=1.0, pose=AT_REST):
-    """``contact_points`` for one point: force, tangent, state, kept, gap, forced to stick, direction."""
+def press(profile, law, x, history, previous=0, length=1.0, pose=AT_REST, through_slip=False):
+    """``contact_points`` for one point: force, tangent, state, kept, gap, whether it is taken to stick
+    or slip, what it did."""
     state, variables = history
     before = ContactHistory(np.array([state]), np.array([variables], float))
-    way, force, tangent = np.array([direction]), np.empty((1, 2)), np.empty((1, 2, 2))
+    way, force, tangent = np.array([previous]), np.empty((1, 2)), np.empty((1, 2, 2))
     after, kept, gap = np.empty(1, np.int64), np.empty((1, 3)), np.empty(1)
     made = contact_points(
         profile, _at(law, profile, pose, x), pose, np.array([x], float),
-        np.array([float(length)]), before, way, force, tangent, after, kept, gap,
+        np.array([float(length)]), before, way, through_slip, force, tangent, after, kept, gap,
     )  # fmt: skip
     return force[0], tangent[0], int(after[0]), kept[0], float(gap[0]), made, int(way[0])
 

@@ -5,6 +5,7 @@ import pytest
 from doors import FORMS, RADIUS, at_gap, normal, press
 
 from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactLaw
+from seal_mdao.contact.rigid_forces import APART, NOT_YET, PASSED, STUCK
 
 LAW = ContactLaw(1e4, 1e2, 0.25, True)
 RULES = (True, False)
@@ -211,13 +212,34 @@ def test_point_that_would_slip_back_sticks_for_one_iteration(way):
     """It has passed the stick branch in between; the force is that of stick whatever the limit."""
     slip = way * 3.0 * LIMIT / LAW.tangent_penalty
     history = (STICK, (100.0 - slip, 1.0, 0.0))
-    for direction, expected in ((0, SLIP), (int(way), SLIP), (-int(way), STICK)):
-        force, tangent, state, _, _, made, after = press(
-            FLAT, LAW, (0.0, DEPTH), history, direction
-        )
+    for previous, expected in ((NOT_YET, SLIP), (int(way), SLIP), (-int(way), STICK)):
+        force, tangent, state, _, _, made, after = press(FLAT, LAW, (0.0, DEPTH), history, previous)
         assert state == expected
         assert made == (expected == STICK)
-        assert after == (int(way) if expected == SLIP else 0)
+        assert after == (int(way) if expected == SLIP else STUCK)
         traction = LAW.tangent_penalty * slip if made else way * LIMIT
         assert force[0] == pytest.approx(traction, rel=1e-9)
         assert tangent[0, 0] == pytest.approx(LAW.tangent_penalty if made else 0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("before", [(OPEN, 1e-5), (OPEN, 7e-4), (OPEN, 9e-4), (STICK, 0.0)])
+def test_point_that_was_open_passes_through_slip_where_it_slips_at_touch(way, before):
+    """Taken to slip for one iteration, where the iterations alternate between open and stick."""
+    state_0, carried = before
+    history = (state_0, (100.0 - way * 0.02, 1.0, carried))
+    at_touch = press(FLAT, LAW, (0.0, 1e-9), history)[2]
+    for previous in (NOT_YET, APART, STUCK):
+        passed = at_touch == SLIP and (previous == APART or (previous, state_0) == (NOT_YET, OPEN))
+        _, _, state, _, _, made, after = press(FLAT, LAW, (0.0, DEPTH), history, previous)
+        assert (state, made, after) == (STICK, 0, PASSED if passed else STUCK)
+        force, tangent, state, _, _, made, after = press(
+            FLAT, LAW, (0.0, DEPTH), history, previous, through_slip=True
+        )
+        assert (state, made) == ((SLIP, 1) if passed else (STICK, 0))
+        assert after == (way if passed else STUCK)
+        if passed:
+            # +-mu w_n |g_n| and its derivatives
+            assert force[0] == pytest.approx(way * LIMIT, rel=1e-9)
+            exact = (0.0, way * LAW.friction * LAW.normal_penalty)
+            np.testing.assert_allclose(tangent[0], exact, atol=1e-9)

@@ -164,7 +164,7 @@ class PressedElements:
         state, kept = np.empty(k, np.int64), np.empty((k, 3))
         made = contact_points(
             self.curve, self.options.law, pose, self.where.at(x), self.where.length,
-            self.history, direction, force, tangent, state, kept, gap,
+            self.history, direction, False, force, tangent, state, kept, gap,
         )  # fmt: skip
         return force, tangent, ContactHistory(state, kept), made
 
