@@ -21,21 +21,23 @@ def make(out: Path, reduced: bool) -> dict:
     stored = json.loads(STORED.read_text(encoding="utf-8"))
     rows = list(_rows(stored))
     _picture(out / "error_estimates.png", rows)
-    ratios = np.array([estimated / actual for _, _, estimated, actual in rows])
-    larger = np.array([abs(actual) > 0.005 for *_, actual in rows])
-    within = (ratios >= 0.5) & (ratios <= 2.0)
+    estimated, actual, bars = np.array([row[2:] for row in rows]).T
+    ratios, larger = estimated / actual, abs(actual) > 0.005
+    within, covered = (ratios >= 0.5) & (ratios <= 2.0), bars >= 0.5 * abs(actual)
     times = [own["estimate_s"] / own["analysis_s"] for own in stored.values()]
     return {
         "table": table(
-            ["example", "measure", "estimated error", "actual error", "ratio"],
+            ["example", "measure", "estimated error", "error bar", "actual error", "ratio"],
             [
-                [name, measure, f"{100 * estimated:+.2g} %", f"{100 * actual:+.2g} %",
-                 f"{estimated / actual:.2f}"]
-                for name, measure, estimated, actual in rows
+                [name, measure, f"{100 * estimated:+.2g} %", f"{100 * bar:.2g} %",
+                 f"{100 * actual:+.2g} %", f"{estimated / actual:.2f}"]
+                for name, measure, estimated, actual, bar in rows
             ],
         ),
         "count": f"{within.sum()} of {len(rows)}",
         "count_larger": f"{(within & larger).sum()} of {larger.sum()}",
+        "covered": f"{covered.sum()} of {len(rows)}",
+        "covered_larger": f"{(covered & larger).sum()} of {larger.sum()}",
         **_chosen(json.loads(CHOSEN.read_text(encoding="utf-8"))),
         "times": f"{min(times):.1f} to {max(times):.1f}",
     }  # fmt: skip
@@ -51,14 +53,15 @@ def _chosen(stored: dict) -> dict:
 
 
 def _rows(stored: dict):
-    """Every value with its estimated and actual error, larger ones than ``SMALLEST``."""
-    for name, own in stored.items():
-        for measure, errors in own["errors"].items():
-            pairs = list(zip(errors["estimated"], errors["actual"], strict=True))
-            for number, (estimated, actual) in enumerate(pairs):
+    """Every value with its estimated and actual error and its error bar by the particles, of actual
+    errors above ``SMALLEST``."""
+    for name, example in stored.items():
+        for measure, errors in example["errors"].items():
+            own = list(zip(errors["estimated"], errors["actual"], errors["bar"], strict=True))
+            for number, (estimated, actual, bar) in enumerate(own):
                 if abs(actual) > SMALLEST:
-                    label = measure if len(pairs) == 1 else f"{measure}[{number}]"
-                    yield name, label, estimated, actual
+                    label = measure if len(own) == 1 else f"{measure}[{number}]"
+                    yield name, label, estimated, actual, bar
 
 
 def _picture(path: Path, rows) -> None:

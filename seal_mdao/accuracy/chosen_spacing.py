@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.accuracy.error_estimate import ErrorEstimate, estimate_errors
+from seal_mdao.accuracy.error_estimate import ORDER, ErrorEstimate, estimate_errors
 from seal_mdao.measures.contact_pressure import ENOUGH, points_around_peak
 from seal_mdao.measures.measure import Derived
 from seal_mdao.seals.chosen_path import store_path
@@ -40,9 +40,11 @@ MARGIN = 0.9
 SMALLEST = 0.3
 """Smallest factor on the spacing from one cloud to the next."""
 LEAST_ORDER = 0.5
-"""Least order of the error in the spacing with which a further cloud is tried."""
+"""Least order of the error in the spacing; with a smaller one twice, no further cloud is tried."""
 CLEAR = 0.7
 """Largest factor on the spacing from which this order is computed."""
+CAUTIOUS = 0.6
+"""Smallest factor on the spacing after a cloud that did not reduce the error."""
 
 
 class FewPoints(NamedTuple):
@@ -191,7 +193,7 @@ def refine(
         For a path that cannot be completed.
     """
     begin = getattr(callback, "begin", lambda text: None)
-    filling, before = file.section.filling, None
+    filling, before, slow = file.section.filling, None, ""
     for _ in range(ROUNDS):
         file = with_filling(file, filling)
         check_section(file)
@@ -211,10 +213,16 @@ def refine(
             store_path(result.seal, result.path)
             return cloud
         if not admissible:
-            _require_decrease(cloud, before)
+            _require_attainable(worst)
+            order = _order(cloud, before)
+            # errors of coarse clouds may be small by chance, so a single comparison decides nothing
+            if order < LEAST_ORDER and slow == worst.name:
+                raise _no_decrease(cloud, before)
+            slow = worst.name if order < LEAST_ORDER else ""
         before = cloud
         if few is None:
-            filling = with_factor(filling, max(SMALLEST, worst.factor))
+            smallest = CAUTIOUS if slow else SMALLEST
+            filling = with_factor(filling, max(smallest, worst.factor))
         else:
             filling = filling | {"edge_spacing": filling["edge_spacing"] | few.edges}
     if few is not None:
@@ -240,10 +248,8 @@ def _require_limit(result: SealResult) -> None:
         )
 
 
-def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
-    """Raise ValueError where smaller spacings do not reduce the error: of given load steps and
-    penalties, and of measures that do not converge."""
-    worst = cloud.worst
+def _require_attainable(worst: WorstError) -> None:
+    """Raise ValueError where given load steps and penalties cause more than the admissible error."""
     if not worst.factor > 0.0:
         raise ValueError(
             f"the load steps and penalties of the file alone cause a numerical error of {worst.name} of "
@@ -251,23 +257,38 @@ def _require_decrease(cloud: Cloud, before: Cloud | None) -> None:
             f"{worst.admissible:.2%}; leave steps, normal_penalty and tangent_penalty "
             "out of the file, so that they are chosen automatically"
         )
+
+
+def _order(cloud: Cloud, before: Cloud | None) -> float:
+    """Compute the order of the worst error in the spacing from two clouds; ``ORDER`` where their
+    spacings are too close to each other."""
     if before is None:
-        return
+        return ORDER
     spacings = [own.file.section.spacing for own in (before, cloud)]
-    own = before.estimates[worst.name]
-    if spacings[1] > CLEAR * spacings[0] or own.particles is None:
-        return
+    error = _particle_error(before, cloud.worst.name)
+    if spacings[1] > CLEAR * spacings[0] or error is None:
+        return ORDER
     # p = log(e_before / e) / log(h_before / h)
-    error = float(own.particle_bar.max() / own.scale)
-    order = math.log(error / worst.particles) / math.log(spacings[0] / spacings[1])
-    if order < LEAST_ORDER:
-        raise ValueError(
-            f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
-            f"{error:.2%} with {spacings[0]:g} mm, {worst.particles:.2%} with {spacings[1]:g} mm; "
-            "stresses and pressures at sharp corners and at ends of fixed edges do not converge; "
-            "exclude these points (away_from_singular of [[measure]]), or name other measures in "
-            "accuracy of [section]"
-        )
+    return math.log(error / cloud.worst.particles) / math.log(spacings[0] / spacings[1])
+
+
+def _particle_error(cloud: Cloud, name: str) -> float | None:
+    """Relative error bar of a measure by the particles; None where it is not known."""
+    own = cloud.estimates[name]
+    return None if own.particle_bar is None else float(own.particle_bar.max() / own.scale)
+
+
+def _no_decrease(cloud: Cloud, before: Cloud) -> ValueError:
+    """Make the error of a measure that does not converge."""
+    worst = cloud.worst
+    return ValueError(
+        f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
+        f"{_particle_error(before, worst.name):.2%} with {before.file.section.spacing:g} mm, "
+        f"{worst.particles:.2%} with {cloud.file.section.spacing:g} mm; "
+        "stresses and pressures at sharp corners and at ends of fixed edges do not converge; "
+        "exclude these points (away_from_singular of [[measure]]), or name other measures in "
+        "accuracy of [section]"
+    )
 
 
 def _finer_edges(result: SealResult, profile: str, points: np.ndarray) -> dict[str, float]:

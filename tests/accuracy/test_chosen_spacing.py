@@ -27,10 +27,11 @@ from seal_mdao.seals.settings import seal_of
 REACTION = '{ reaction = "1 %" }'
 
 
-def estimate(relative, steps=0.0):
+def estimate(relative, steps=0.0, fluctuation=0.0):
     return ErrorEstimate(
-        np.array([2.0]), np.array([2.0 * relative]), np.array([2.0 * steps]), np.zeros(1), 2.0
-    )
+        np.array([2.0]), np.array([2.0 * relative]), np.array([2.0 * steps]), np.zeros(1), 2.0,
+        fluctuation=np.array([2.0 * fluctuation]),
+    )  # fmt: skip
 
 
 def accurate(folder, accuracy=REACTION, spacing="spacing = 0.8", **given):
@@ -140,12 +141,52 @@ def test_tolerances_of_steps_and_penalties(tmp_path):
 
 
 def test_a_measure_that_does_not_converge_ends_the_choice(monkeypatch, tmp_path):
-    """As a stress at a sharp corner: after the second cloud, not after five."""
+    """As a stress at a sharp corner: after the third cloud, which is little finer, not after five."""
     errors_by(monkeypatch, lambda spacing: {"reaction": estimate(0.04 * (spacing / 0.8) ** 0.4)})
     tried = []
-    with pytest.raises(ValueError, match=r"does not decrease .*: 4\.00% with 0\.8 mm, 2\.91% with"):
+    with pytest.raises(ValueError, match=r"does not .*: 2\.91% with 0\.36 mm, 2\.37% with 0\.216"):
         refine(sm.read_seal_file(accurate(tmp_path)), tried.append)
-    assert len(tried) == 2
+    assert len(tried) == 3
+
+
+def test_fluctuations_decide(monkeypatch, tmp_path):
+    """The error at the end of the path is 0.1 %, its fluctuation 4 %: as an error of 4 %."""
+    falling = lambda spacing: 0.04 * (spacing / 0.8) ** 2  # noqa: E731
+    errors_by(
+        monkeypatch, lambda spacing: {"reaction": estimate(1e-3, fluctuation=falling(spacing))}
+    )
+    assert tried_spacings(accurate(tmp_path))[0] == [0.8, 0.36]
+    errors_by(monkeypatch, lambda spacing: {"reaction": estimate(1e-3, fluctuation=0.04)})
+    with pytest.raises(ValueError, match=r"decrease .*: 4\.00% with 0\.36 mm, 4\.00% with 0\.216"):
+        refine(sm.read_seal_file(accurate(tmp_path)))
+
+
+def test_a_coarse_error_that_is_small_by_chance(monkeypatch, tmp_path):
+    """The second error is larger than the first, the third falls with the square of the spacing."""
+
+    def estimated(spacing):
+        error = 0.034 if spacing == 0.8 else 0.2 * (spacing / 0.8) ** 2
+        return {"reaction": estimate(error)}
+
+    errors_by(monkeypatch, estimated)
+    spacings, found = tried_spacings(accurate(tmp_path))
+    # 0.9 * 0.8 mm * sqrt(1 / 3.4), then with 4.76 % by the smallest factor 0.6, then with 1.71 %
+    # by 0.9 sqrt(1 / 1.71)
+    assert spacings == [0.8, 0.39, 0.234, 0.161]
+    assert found.worst.error <= 0.01
+
+
+def test_slow_convergence_of_two_measures(monkeypatch, tmp_path):
+    """Each of two measures has a larger error than before once: that says nothing about either."""
+    errors = {0.8: (0.03, 0.02), 0.416: (0.04, 0.03), 0.25: (0.03, 0.04), 0.15: (0.005, 0.005)}
+
+    def estimated(spacing):
+        force, width = errors[spacing]
+        return {"reaction": estimate(force), "contact_width": estimate(width)}
+
+    errors_by(monkeypatch, estimated)
+    path = accurate(tmp_path, '{ reaction = "1 %", contact_width = "1 %" }')
+    assert tried_spacings(path)[0] == list(errors)
 
 
 def test_slower_convergence_ends(monkeypatch, tmp_path):

@@ -1,4 +1,4 @@
-"""Compare estimated errors by particles with actual ones.
+"""Compare estimated errors and error bars by particles with actual errors.
 
     python tests/benchmarks/error_estimates.py --out docs/benchmarks
 
@@ -41,7 +41,7 @@ def compared(name: str) -> dict:
     result = sm.analyze(seal, keep_factors=True)
     analysis = time.process_time() - begun
     begun = time.process_time()
-    estimate_errors(file, result)
+    estimates = estimate_errors(file, result)
     seconds = time.process_time() - begun
     paths = ComparedPaths(file, result, None)
     finest, measures = _finest(file, seal, paths)
@@ -53,7 +53,9 @@ def compared(name: str) -> dict:
             continue
         values = paths.coarse.value(measure), paths.fine.value(fine), finest.value(last)
         if len({own.shape for own in values}) == 1:
-            rows[measure.name] = _errors(*values, scale_of(measure, result))
+            scale = scale_of(measure, result)
+            bar = estimates[measure.name].particle_bar
+            rows[measure.name] = _errors(*values, scale) | {"bar": _digits(bar / scale)}
     return {
         "particles": [len(own.particles) for own in (result, paths.fine, finest)],
         "analysis_s": round(analysis, 2), "estimate_s": round(seconds, 2), "errors": rows,
@@ -77,8 +79,14 @@ def _errors(coarse, fine, finest, scale: float) -> dict:
     """Estimated error of the coarse values, and their difference from the extrapolated ones."""
     factor = 1.0 / (1.0 - 0.5**ORDER)
     exact = fine + factor * (finest - fine)
-    digits = lambda values: [float(f"{value:.3g}") for value in values / scale]  # noqa: E731
-    return {"estimated": digits(factor * (coarse - fine)), "actual": digits(coarse - exact)}
+    return {
+        "estimated": _digits(factor * (coarse - fine) / scale),
+        "actual": _digits((coarse - exact) / scale),
+    }
+
+
+def _digits(values) -> list[float]:
+    return [float(f"{value:.3g}") for value in values]
 
 
 def main(argv=None) -> int:
