@@ -163,14 +163,29 @@ class Body:
     def edge_rule(self) -> EdgeRule:
         return edge_rule(self.cells, self.constrained, self.pressure.cells)
 
-    @cached_property
-    def equations(self) -> np.ndarray | None:
-        """Equation numbers (n, 2) of the nominal body, used for all designs; None without it."""
+    def equations(self, averages=()) -> np.ndarray | None:
+        """Number the equations (n, 2) of the nominal body, once for all designs; None without it.
+
+        Parameters
+        ----------
+        averages : sequence of EdgeAverages
+            Points that couple more particles than the cells do.
+        """
         if self.nominal is None:
             return None
-        cloud, transformation, _ = _essential(self, self.nominal)
-        cells = self.cell_table(cloud, transformation)
-        return equation_numbers(self.fixed, [cells.raw], transformation)
+        key = tuple(points.edges.tobytes() for points in averages)
+        if key not in self._equations:
+            cloud, transformation, _ = _essential(self, self.nominal)
+            tables = [self.cell_table(cloud, transformation)]
+            tables += [_table_of(points, cloud, transformation) for points in averages]
+            self._equations[key] = equation_numbers(
+                self.fixed, [table.raw for table in tables], transformation
+            )
+        return self._equations[key]
+
+    @cached_property
+    def _equations(self) -> dict:
+        return {}
 
     def cell_table(self, cloud: Cloud, transformation: EssentialTransformation) -> CellTable:
         """Compute weights and shape functions of one design at the quadrature points.
@@ -318,13 +333,14 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     # u = Phi T d with T of the constrained particles, then Phi, grad Phi and w at all points
     cloud, transformation, rows = _essential(body, particles)
     cells = body.cell_table(cloud, transformation)
-    tables = tuple(_table_of(term.point_set(), cloud, transformation) for term in terms)
+    point_sets = [term.point_set() for term in terms]
+    tables = tuple(_table_of(points, cloud, transformation) for points in point_sets)
     couples = tuple(term.couples for term in terms)
     # the pattern of the tangent: cells first, then the points that have a tangent of their own
     coupling = zip(tables, couples, strict=True)
     coupled = [cells.raw, *(table.raw for table, own in coupling if own and table is not None)]
     # one numbering for all designs where the nominal body is known: same bits, same cost
-    equations = body.equations
+    equations = body.equations([own for own in point_sets if isinstance(own, EdgeAverages)])
     if equations is None:
         equations = equation_numbers(body.fixed, coupled, transformation)
     layout = tangent_layout(

@@ -1,12 +1,18 @@
 """Equation numbers, scatter and factors: both layouts hold the same matrix and solve it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from bodies import dense, internal, square, wave
 
+import seal_mdao as sm
+from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.equilibrium.linear_solver import SOLVERS, BandedStorage
 from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture
@@ -113,6 +119,22 @@ def test_automatic_choice_takes_the_band_for_a_ring_and_compressed_columns_for_w
     wide = square(rng, n=40).layout
     assert isinstance(narrow.storage, BandedStorage)
     assert not isinstance(wide.storage, BandedStorage)
+
+
+def test_equations_are_numbered_with_the_particles_that_averages_couple(tmp_path):
+    """Numbered for the cells alone, the band of this bulb was a third wider, too wide for a band."""
+    text = (EXAMPLES / "ten_year_seal.toml").read_text(encoding="utf-8")
+    text = text.replace("duration = ", "steps = 1\nduration = ").replace(
+        "friction = 0.25",
+        'friction = 0.25\ncontact_points = "averages"\nnormal_penalty = 1e4\ntangent_penalty = 5e2',
+    )
+    (tmp_path / "bulb.toml").write_text(text, encoding="utf-8")
+    seal = sm.build_seal(sm.read_seal_file(tmp_path / "bulb.toml"))
+    disc = discretize(seal.body, seal.nominal_particles, seal.definitions)
+    tables = [disc.cells.raw, *(own.raw for own in disc.tables if own is not None)]
+    of_cells = tangent_layout(seal.body.equations(), tables, disc.transformation, "banded")
+    assert disc.layout.storage.width < of_cells.storage.width
+    assert isinstance(disc.layout.storage, BandedStorage)
 
 
 @pytest.mark.parametrize("solver", ["banded", "superlu", "pardiso"])
