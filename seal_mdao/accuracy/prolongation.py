@@ -106,7 +106,7 @@ class Prolongation:
         if self._same_cloud:
             return response.gap.copy()
         place = coarse_term.where.points.at(self.path.discretization.particles)
-        # one place of two points at a sharp corner, with the smaller gap
+        # of two points at a sharp corner the first one
         first = np.flatnonzero(np.append(True, (place[1:] != place[:-1]).any(axis=1)))
         if term.label not in self._weights:
             new = term.where.points.at(self.fine.particles)
@@ -114,5 +114,4 @@ class Prolongation:
             # linear between both: the nearer one has the larger weight
             self._weights[term.label] = which, away[:, ::-1] / away.sum(axis=1, keepdims=True)
         which, weights = self._weights[term.label]
-        gap = np.minimum.reduceat(response.gap, first)
-        return np.ascontiguousarray((gap[which] * weights).sum(axis=1))
+        return np.ascontiguousarray((response.gap[first][which] * weights).sum(axis=1))
