@@ -301,13 +301,15 @@ def _by_particles(measure: Measure, paths: ComparedPaths, scale: float) -> np.nd
         return (
             f"the measure {measure.name} is not a finite number if the particle spacing is halved"
         )
-    rows = [error]
+    # a value that is zero on both clouds, such as the force after a release, has no error
+    rows, zero = [error], (values[0] == 0.0) & (values[1] == 0.0)
     for coarse, fine in paths.before_end if measure.at_end else ():
         own = coarse.value(measure)
         earlier = (own - fine.value(finer)) / (1.0 - 0.5**ORDER)
         if np.isfinite(earlier).all():
             # relative errors are comparable where the value decreases towards the end
-            rows.insert(-1, earlier * scale / max(scale, np.abs(own).max(initial=0.0)))
+            earlier = earlier * scale / max(scale, np.abs(own).max(initial=0.0))
+            rows.insert(-1, np.where(zero, 0.0, earlier))
     return np.array(rows)
 
 

@@ -180,12 +180,12 @@ def test_decreasing_values():
     """A tenth of a value that is five times that at the end, as of a strip that is released, is no half
     of that at the end; and a value before the end that is not finite is left out."""
 
-    def compared(measure, earlier=(10.0, 9.0)):
+    def compared(measure, earlier=(10.0, 9.0), end=(2.0, 1.94)):
         def path(value):
             return SimpleNamespace(value=lambda own: np.array([value]))
 
         paths = SimpleNamespace(
-            coarse=path(2.0), fine=path(1.94), kept=None,
+            coarse=path(end[0]), fine=path(end[1]), kept=None,
             before_end=[(path(earlier[0]), path(earlier[1]))],
         )  # fmt: skip
         return _by_particles(measure, paths, 2.0).ravel()
@@ -194,6 +194,9 @@ def test_decreasing_values():
     assert compared(measure) == pytest.approx([4 / 3 * 0.2, 4 / 3 * 0.06])
     assert compared(measure, (1.0, 0.9)) == pytest.approx([4 / 3 * 0.1, 4 / 3 * 0.06])
     assert compared(measure, (10.0, np.nan)) == pytest.approx([4 / 3 * 0.06])
+    # no error of a force that has been released
+    assert compared(measure, end=(0.0, 0.0)) == pytest.approx([0.0, 0.0])
+    assert compared(measure, end=(0.0, 0.03)) == pytest.approx([4 / 3 * 0.2, 4 / 3 * -0.03])
     measure.at_end = False
     assert compared(measure) == pytest.approx([4 / 3 * 0.06])
 
