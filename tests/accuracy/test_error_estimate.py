@@ -147,6 +147,7 @@ edges = ["base"]
 [[profile]]
 name = "door"
 contact = ["dome"]
+contact_points = "particles"
 friction = 0.3
 line = [[-40, 0], [40, 0]]
 start = [0, 6]

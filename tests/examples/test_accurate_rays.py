@@ -18,6 +18,7 @@ ENGINEERING = "rays = { rays = 58, layers = 4 }"
 FIXED, STEPS = '[fixed]\nedges = ["base"]\n', "steps = 105\n"
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 1.0\n'
 WORK = '[[measure]]\ntype = "profile_work"\n'
+ALL_WORK = WORK.replace("profile", "friction")
 
 
 def file_with(folder, rays, *changes):
@@ -62,22 +63,36 @@ def test_too_few_layers_are_refused_when_the_file_is_read(tmp_path):
     ("changes", "points"),
     [
         ([], "edges"),
-        ([(STEPS, STEPS + "rotate = 1.0\n")], "particles"),
+        ([(STEPS, STEPS + "rotate = 1.0\n")], "edges"),
+        ([(STEPS, STEPS + f"rotate = 1.0\n{WORK}")], "particles"),
+        ([(STEPS, STEPS + f"rotate = 1.0\n{ALL_WORK}")], "particles"),
+        ([(STEPS, STEPS + WORK)], "edges"),
         ([(FIXED, FIXED + FLUID)], "particles"),
         ([(FIXED, ""), ("start = [0.0, 10.0]", "start = [0.0, 9.5]")], "particles"),
         ([(CONTACT, f'{CONTACT}\ncontact_points = "particles"')], "particles"),
     ],
-    ids=["nothing else", "the door turns", "a fluid", "the door holds the seal", "as given"],
+    ids=[
+        "nothing else",
+        "the door turns",
+        "its work",
+        "all work",
+        "work of a door that does not turn",
+        "a fluid",
+        "the door holds the seal",
+        "as given",
+    ],
 )
 def test_where_the_door_touches_follows_from_what_needs_a_particle(tmp_path, changes, points):
     (door,) = file_with(tmp_path, ENGINEERING, *changes).profiles
     assert door.contact_points == points
 
 
-def test_other_clouds_are_touched_at_their_particles_unless_the_file_says_otherwise(tmp_path):
+def test_other_clouds_are_touched_at_averages_unless_the_file_says_otherwise(tmp_path):
     (door,) = file_with(tmp_path, RAYS).profiles
     assert door.contact_points == "particles"
     (door,) = file_with(tmp_path, "spacing = 0.9").profiles
+    assert door.contact_points == "averages"
+    (door,) = file_with(tmp_path, "spacing = 0.9", (FIXED, FIXED + FLUID)).profiles
     assert door.contact_points == "particles"
     file = file_with(tmp_path, "spacing = 1.2", (CONTACT, AT_EDGES))
     (contact,) = (

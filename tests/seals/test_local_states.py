@@ -89,6 +89,7 @@ def sponge_bulb():
     tail = rest[: rest.index("[[design]]")]
     tail = tail.replace("[0.0, -4.05]", "[0.0, -6.5]").replace("steps = 40", "steps = 60")
     penalties = "friction = 0.25\nnormal_penalty = 2e4\ntangent_penalty = 1e3"
+    penalties += '\ncontact_points = "particles"'
     tail = tail.replace("friction = 0.25", penalties)
     return f'[material.rubber]\nsponge = "2A3"\n[section]{tail}'
 

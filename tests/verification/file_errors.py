@@ -31,9 +31,9 @@ def with_kernels(seal: OutlineSeal, kernels: Kernels) -> OutlineSeal:
     return replace(seal, body=body, kernels=kernels)
 
 
-def at_edges(file: SealFile) -> SealFile:
-    """The file with contact in the middle of the sides between particles."""
-    profiles = tuple(replace(profile, contact_points="edges") for profile in file.profiles)
+def touched_at(file: SealFile, points: str) -> SealFile:
+    """The file with other contact points, of ``terms.points.CONTACT_POINTS``."""
+    profiles = tuple(replace(profile, contact_points=points) for profile in file.profiles)
     return replace(file, profiles=profiles)
 
 

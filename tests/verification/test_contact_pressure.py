@@ -26,7 +26,6 @@ HOLD = [
     ("half_disc", "peak", 1),
     ("half_disc", "width", 0),
     ("o_ring", "rms", 0),
-    ("o_ring", "rms", 1),
     ("o_ring", "peak", 2),
     ("o_ring", "width", 1),
     ("o_ring", "width", 2),
@@ -35,6 +34,7 @@ HOLD = [
     ("bonded_gasket", "width", 2),
     ("half_ring", "peak", 1),
     ("half_ring", "width", 1),
+    ("half_ring", "width", 2),
     ("rounded_punch", "width", 1),
     ("rounded_punch", "width", 2),
 ]

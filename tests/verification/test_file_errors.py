@@ -13,12 +13,12 @@ from seal_mdao.seals.result import analyze
 from verification.file_errors import (
     LINEAR,
     QUADRATIC,
-    at_edges,
     fine_forces,
     force_error,
     forces,
     refined,
     stress_error,
+    touched_at,
     with_kernels,
 )
 
@@ -27,7 +27,7 @@ REFERENCES = Path(__file__).parent / "references"
 
 
 def example(name):
-    file = read_seal_file(EXAMPLES / f"{name}.toml")
+    file = touched_at(read_seal_file(EXAMPLES / f"{name}.toml"), "particles")
     return file, build_seal(file)
 
 
@@ -46,7 +46,8 @@ def test_half_the_spacing_has_more_than_three_times_the_particles():
 def test_contact_at_edges_is_halfway_between_particles():
     file, seal = example("lip")
     (here,) = (t for t in seal.definitions if isinstance(t, RigidContact))
-    (moved,) = (t for t in build_seal(at_edges(file)).definitions if isinstance(t, RigidContact))
+    other = build_seal(touched_at(file, "edges"))
+    (moved,) = (t for t in other.definitions if isinstance(t, RigidContact))
     x = seal.nominal_particles
     own, middle = here.where.points.at(x), moved.where.points.at(x)
     nearest = np.sort(np.hypot(*(middle[:, None] - own).T), axis=0)[:2]
@@ -72,7 +73,7 @@ def test_both_bases_converge_and_the_quadratic_one_is_no_better():
 def test_contact_at_edges_misses_the_tip_of_a_lip():
     file, seal = example("slipping_lip")
     exact = fine_forces(file)
-    assert force_error(forces(build_seal(at_edges(file))), exact) > 1.5 * force_error(
+    assert force_error(forces(build_seal(touched_at(file, "edges"))), exact) > 1.5 * force_error(
         forces(seal), exact
     )
 

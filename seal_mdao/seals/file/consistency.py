@@ -396,15 +396,24 @@ def _check_contact_points(where: str, profile, file) -> None:
         raise SealFileError(
             f"{where} a [[fluid]] needs contact points at the particles; leave out contact_points"
         )
-    for number, measure in enumerate(file.measures, 1):
-        # the moment of a profile that turns needs forces at particles
-        of = getattr(measure, "profile", None)
-        own = measure.type == "profile_work" and of == profile.name
-        if profile.turns and (own or measure.type == "friction_work"):
-            raise SealFileError(
-                f"{where} the {measure.type} ([[measure]] {number}) of a rotating profile needs "
-                "contact points at the particles; leave out contact_points or this measure"
-            )
+    work = turning_work(profile, file.measures)
+    if work is not None:
+        raise SealFileError(
+            f"{where} the {work.type} ([[measure]] {file.measures.index(work) + 1}) of a rotating "
+            "profile needs contact points at the particles; leave out contact_points or this measure"
+        )
+
+
+def turning_work(profile, measures):
+    """Find a measure of the work of a rotating profile, whose moment needs forces at particles; None if
+    there is none."""
+    if not profile.turns:
+        return None
+    for measure in measures:
+        of = measure.profile if measure.type == "profile_work" else None
+        if of == profile.name or measure.type == "friction_work":
+            return measure
+    return None
 
 
 def _check_opposed(names, file) -> None:
@@ -423,21 +432,28 @@ def _check_opposed(names, file) -> None:
         )
 
 
-def _check_bodies_held(file, gaps) -> None:
-    """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
-    outline = file.section.outline
+def unsupported_bodies(file) -> list:
+    """Find the bodies that only profiles hold: number, contours and names of the edges of each."""
     # edges in a plane of symmetry hold nothing along it
     planes = {name for plane in file.symmetries for name in plane.edges}
     fixed = set(file.supports) - planes
     if file.axisymmetric:
         # a ring holds its radius itself; it can only move along the axis
         fixed = {name for name, held in file.supports.items() if AXIAL in held}
-    for number, contours in enumerate(outline.bodies, 1):
+    found = []
+    for number, contours in enumerate(file.section.outline.bodies, 1):
         names = {name for contour in contours for name in contour.edge_names}
         # planes of symmetry along both axes hold a body in the plane
         normals = {plane.normal for plane in file.symmetries if names & set(plane.edges)}
-        if names & fixed or len(normals) == 2:
-            continue
+        if not names & fixed and len(normals) < 2:
+            found.append((number, contours, names))
+    return found
+
+
+def _check_bodies_held(file, gaps) -> None:
+    """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
+    outline = file.section.outline
+    for number, contours, names in unsupported_bodies(file):
         # a profile holds a body only at a particle that it touches at the start
         own = [
             gap
@@ -450,7 +466,9 @@ def _check_bodies_held(file, gaps) -> None:
         # what is missing, which body, and how far the nearest profile is
         first = contours[0].edge_names[0]
         what = f"body {number} (edge {first!r})" if outline.others else "the section"
-        missing = "[fixed] has no edge of this body" if fixed else "[fixed] is missing"
+        missing = "[fixed] is missing"
+        if file.fixed_edges:
+            missing = "[fixed] has no edge of this body"
         nearest = "no profile may touch it at a particle"
         if own:
             nearest = f"the nearest one is {min(own):.3g} mm away"

@@ -11,14 +11,12 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.accuracy import with_tolerances
 from seal_mdao.seals.file.clearance import nearest_free_edges
-from seal_mdao.seals.file.consistency import check
+from seal_mdao.seals.file.consistency import check, turning_work, unsupported_bodies
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
-from seal_mdao.seals.file.model_table import AXISYMMETRIC
 from seal_mdao.seals.file.optimize_table import with_implied
 from seal_mdao.seals.file.schema import checked, suggestion
-from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import WALL_SCHEMES
 
@@ -141,13 +139,13 @@ def _decided(written: Written, path: Path) -> SealFile:
     }
     section = written.section.read(path.parent, tuple(materials))
     file = SealFile(
-        path, materials, section, written.fixed, written.symmetry,
-        _with_contact_points(profiles, section, written), written.design,
+        path, materials, section, written.fixed, written.symmetry, profiles, written.design,
         measures, written.optimize, written.cavity, written.self_contact, written.fluid,
         step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
         written.model, written.material,
     )  # fmt: skip
-    return with_tolerances(replace(file, profiles=_with_contact(file)))
+    file = replace(file, profiles=_with_contact(file))
+    return with_tolerances(replace(file, profiles=_with_contact_points(file)))
 
 
 def _check_profile_names(profiles) -> None:
@@ -176,24 +174,22 @@ def _with_contact(file: SealFile) -> tuple:
     )
 
 
-def _with_contact_points(profiles, section: SectionTable, written: Written) -> tuple:
+def _with_contact_points(file: SealFile) -> tuple:
     """Choose the contact points of profiles where the file leaves them open.
 
-    On rays those of their scheme, unless something needs a particle where a profile touches: a fluid, a
-    body that only profiles hold, the work of a profile that turns. Of a body of revolution the averages,
-    for beside the axis the pressure of particles is wrong. Else the particles, which are at the corners
-    of the section.
+    The averages, which reproduce a uniform pressure; on rays those of their scheme. The particles where
+    something needs a particle at the contact: a fluid, a body in plane strain that only profiles hold,
+    the work of a profile that turns.
     """
-    # those of the scheme of the rays, where no particle is needed
-    chosen = "particles"
-    held = written.fixed is not None or written.moved or any(own.glued for own in profiles)
-    if written.model.kinematics == AXISYMMETRIC and not written.fluid:
+    bodies = () if file.axisymmetric else unsupported_bodies(file)
+    unsupported = {name for *_, names in bodies for name in names}
+    spacing = file.section.spacing
+    found = []
+    for own in file.profiles:
         chosen = "averages"
-    elif isinstance(section.spacing, Rays) and held and not written.fluid:
-        chosen = WALL_SCHEMES[section.spacing.accuracy].contact_points
-    return tuple(
-        replace(profile, contact_points="particles" if profile.turns else chosen)
-        if profile.contact_points is None
-        else profile
-        for profile in profiles
-    )
+        if file.fluids or unsupported & set(own.contact) or turning_work(own, file.measures):
+            chosen = "particles"
+        elif isinstance(spacing, Rays) and not file.axisymmetric:
+            chosen = WALL_SCHEMES[spacing.accuracy].contact_points
+        found.append(replace(own, contact_points=own.contact_points or chosen))
+    return tuple(found)
