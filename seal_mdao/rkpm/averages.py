@@ -68,20 +68,21 @@ class EdgeAverages(NamedTuple):
         # (m_q / L)' = fraction ((c_q l_e)' - c_q l_e L' / L) / L
         share = (length[..., None] * around)[..., None] / total
         found = fractions * ((rates - share * total_rate) / total)
-        return found.reshape(len(found), -1, velocity.shape[0])
+        # no -1 in shapes: with 0 design parameters or seeds it is not determined
+        return found.reshape(len(found), self.gauss.group_size, velocity.shape[0])
 
     def add_weight_seeds(self, particles, weight_bar, x_bar) -> None:
         """Transpose of ``weight_rates``: seeds (k, e q, M) added to ``x_bar`` (n, 2, M)."""
         tangent, length, around, total = self._sizes(particles)
         fractions, total = self.fractions[..., None], total[..., None]
-        seeds = fractions * weight_bar.reshape(*self.fractions.shape, -1) / total
+        seeds = fractions * weight_bar.reshape(*self.fractions.shape, x_bar.shape[2]) / total
         # seeds on (c_q l_e)' and, by L', on all of them
         share = (length[..., None] * around)[..., None] / total
         on_sizes = seeds - fractions * (share * seeds).sum(axis=(1, 2), keepdims=True)
         if self.around:
             # R_q_bar = 2 pi l_e (c_q l_e)_bar
             on_radius = CIRCUMFERENCE * length[..., None, None] * on_sizes
-            on_radius = on_radius.reshape(len(self.gauss.anchors), -1)
+            on_radius = on_radius.reshape(len(self.gauss.anchors), x_bar.shape[2])
             add_radius_seeds(self.gauss, particles, on_radius, x_bar)
         length_bar = (around[..., None] * on_sizes).sum(axis=2)
         pull = tangent[..., None] * length_bar[:, :, None]
@@ -107,7 +108,8 @@ class EdgeAverages(NamedTuple):
 
     def _gauss_at(self, vectors) -> np.ndarray:
         """Values (k, e q, ...) at the Gauss points of a field (n, ...) at the particles."""
-        return self.gauss.at(vectors).reshape(len(self.edges), -1, *vectors.shape[1:])
+        shape = len(self.edges), self.gauss.group_size, *vectors.shape[1:]
+        return self.gauss.at(vectors).reshape(shape)
 
     def at(self, particles: np.ndarray) -> np.ndarray:
         """Compute the mean places, shape (k, 2)."""
@@ -132,7 +134,8 @@ class EdgeAverages(NamedTuple):
         x = self._gauss_at(particles)
         self.add_weight_seeds(particles, np.einsum("kqi,kim->kqm", x, point_bar), x_bar)
         on_gauss = self.weights(particles)[:, :, None, None] * point_bar[:, None]
-        self.gauss.add_seeds(particles, on_gauss.reshape(-1, *point_bar.shape[1:]), x_bar)
+        on_gauss = on_gauss.reshape(len(self.gauss.anchors), *point_bar.shape[1:])
+        self.gauss.add_seeds(particles, on_gauss, x_bar)
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,7 @@ class AveragedTable:
             rows = slice(*raw.start[g : g + 2])
             # Phi_q_bar = (m_q / L_A) Phi_A_bar,   weight_bar_q = Phi_q . Phi_A_bar
             spread = weights[g][:, None, None] * phi_bar[rows]
-            gauss_bar[q * rows.start : q * rows.stop] = spread.reshape(-1, m)
+            gauss_bar[q * rows.start : q * rows.stop] = spread.reshape(q * len(phi_bar[rows]), m)
             weight_bar[g] = _summed(_values(gauss.raw, g).T, phi_bar[rows])
         self.averages.add_weight_seeds(gauss.cloud.particles, weight_bar, x_bar)
         gauss.pull_back(gauss_bar, grad_bar, x_bar)

@@ -20,6 +20,7 @@ FAULT = "material is inverted near x = {}"
 def deep(tmp_path_factory):
     """A block pressed so deep that its material is inverted beside the fixed edge."""
     lid = LID.replace("[0, -0.5], steps = 3", "[0, -1.5], steps = 12")
+    lid = lid.replace("normal_penalty", 'contact_points = "particles"\nnormal_penalty')
     return seal_of(tmp_path_factory.mktemp("deep"), FIXED, DESIGN, lid, spacing=1.3)
 
 

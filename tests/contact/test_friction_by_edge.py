@@ -20,7 +20,7 @@ DIVIDED = {
     "line = [[-0.7, 8.0], [-0.7, 2.0]]": "line = [[-0.7, 8.0], [-0.7, 5.4]]\n"
     '[[section.outer]]\nedge = "lower"\nline = [[-0.7, 5.4], [-0.7, 2.0]]',
     '["body", "lip", "tip"]': '["body", "lip", "upper"]',
-    'contact = ["back", "tip"]': 'contact = ["back", "lower"]',
+    'contact = ["back", "tip"]': 'contact = ["back", "lower"]\ncontact_points = "particles"',
 }
 LIP = reduce(
     lambda text, pair: text.replace(*pair),
