@@ -198,6 +198,23 @@ def test_a_quarter_of_a_block_is_held_by_its_planes(tmp_path):
         read(tmp_path, text.replace(', { edges = ["base"], normal = "y" }', ""))
 
 
+def test_contact_points_of_a_body_between_plates(tmp_path):
+    """Averages where both plates touch a whole side at the start; the particles where one has a gap, or
+    touches a corner alone."""
+    plane = '[[symmetry]]\nedges = ["left"]\nnormal = "x"\n'
+    text = rectangle(12.0, 6.0, 4).replace('[fixed]\nedges = ["base"]\n', plane)
+    text = text.replace("friction = 0.2", "friction = 0.0")
+    lower = '[[profile]]\nname = "bottom"\nfriction = 0.0\ncontact = ["base"]\n'
+    lower += "line = [[60.0, 0.0], [-60.0, 0.0]]\nstart = [0.0, 0.0]\n"
+    result = sm.analyze(build_seal(read(tmp_path, text + lower)))
+    for name in ("plate", "bottom"):
+        gap = result.response(name).gap
+        assert np.abs(gap / gap.mean() - 1.0).max() < 1e-10
+    for start, changed in ((6.1, lower), (6.0, lower + "angle = -5.0\n")):
+        file = read(tmp_path, text.replace("[0.0, 6.0]", f"[0.0, {start}]") + changed)
+        assert [own.contact_points for own in file.profiles] == ["particles"] * 2
+
+
 @pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])
 def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
     seal = build_seal(read(tmp_path, rectangle(20.0 * scale, 6.0 * scale, 5)))

@@ -129,6 +129,17 @@ def _moved_off(profile, place, distance: float, size: float):
     return replace(profile, start=tuple(start.tolist()))
 
 
+def rests_along_a_segment(profile, outline) -> bool:
+    """Whether a profile touches a complete segment of its edges at the start, not only a point."""
+    gap, s = gap_at_start(profile), np.linspace(0.0, 1.0, 5)
+    segments = [own for contour in outline.contours for own in contour.segments]
+    return any(
+        max(abs(gap(*x)) for x in own.points(s)) <= ROUNDING * outline.size
+        for own in segments
+        if own.edge in profile.contact
+    )
+
+
 def _segments(profile, outline) -> list:
     return [segment for name in profile.contact for segment in outline.edge(name)]
 

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.accuracy import with_tolerances
-from seal_mdao.seals.file.clearance import nearest_free_edges
+from seal_mdao.seals.file.clearance import nearest_free_edges, rests_along_a_segment
 from seal_mdao.seals.file.consistency import check, turning_work, unsupported_bodies
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
@@ -178,11 +178,11 @@ def _with_contact_points(file: SealFile) -> tuple:
     """Choose the contact points of profiles where the file leaves them open.
 
     The averages, which reproduce a uniform pressure; on rays those of their scheme. The particles where
-    something needs a particle at the contact: a fluid, a body in plane strain that only profiles hold,
-    the work of a profile that turns.
+    something needs a particle at the contact: a fluid, a body in plane strain that only profiles hold
+    (unless each of them touches a segment of it at the start), the work of a profile that turns.
     """
     bodies = () if file.axisymmetric else unsupported_bodies(file)
-    unsupported = {name for *_, names in bodies for name in names}
+    unsupported = {name for *_, names in bodies for name in names if not _is_clamped(file, names)}
     spacing = file.section.spacing
     found = []
     for own in file.profiles:
@@ -193,3 +193,11 @@ def _with_contact_points(file: SealFile) -> tuple:
             chosen = WALL_SCHEMES[spacing.accuracy].contact_points
         found.append(replace(own, contact_points=own.contact_points or chosen))
     return tuple(found)
+
+
+def _is_clamped(file: SealFile, names) -> bool:
+    """Whether all profiles of a body with these edges touch a segment of it at the start."""
+    touching = [own for own in file.profiles if names & set(own.contact)]
+    return not isinstance(file.section.spacing, Rays) and all(
+        rests_along_a_segment(own, file.section.outline) for own in touching
+    )
