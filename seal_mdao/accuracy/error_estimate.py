@@ -302,15 +302,15 @@ def _by_particles(measure: Measure, paths: ComparedPaths, scale: float) -> np.nd
             f"the measure {measure.name} is not a finite number if the particle spacing is halved"
         )
     # a value that is zero on both clouds, such as the force after a release, has no error
-    rows, zero = [error], (values[0] == 0.0) & (values[1] == 0.0)
+    rows, zero = [], (values[0] == 0.0) & (values[1] == 0.0)
     for coarse, fine in paths.before_end if measure.at_end else ():
         own = coarse.value(measure)
         earlier = (own - fine.value(finer)) / (1.0 - 0.5**ORDER)
         if np.isfinite(earlier).all():
             # relative errors are comparable where the value decreases towards the end
             earlier = earlier * scale / max(scale, np.abs(own).max(initial=0.0))
-            rows.insert(-1, np.where(zero, 0.0, earlier))
-    return np.array(rows)
+            rows.append(np.where(zero, 0.0, earlier))
+    return np.array([*rows, error])
 
 
 def _by_steps(measure: Measure, value, paths: ComparedPaths) -> np.ndarray | str:

@@ -105,13 +105,16 @@ class Prolongation:
         """Interpolate gaps between the two nearest coarse contact points, shape (k,)."""
         if self._same_cloud:
             return response.gap.copy()
-        place = coarse_term.where.points.at(self.path.discretization.particles)
-        # of two points at a sharp corner the first one
-        first = np.flatnonzero(np.append(True, (place[1:] != place[:-1]).any(axis=1)))
         if term.label not in self._weights:
-            new = term.where.points.at(self.fine.particles)
-            away, which = cKDTree(place[first]).query(new, k=2)
+            old, new = (
+                own.where.points.at(disc.particles)
+                for own, disc in ((coarse_term, self.path.discretization), (term, self.fine))
+            )
+            # of two points at a sharp corner the first one
+            first = np.flatnonzero(np.append(True, (old[1:] != old[:-1]).any(axis=1)))
+            away, which = cKDTree(old[first]).query(new, k=2)
             # linear between both: the nearer one has the larger weight
-            self._weights[term.label] = which, away[:, ::-1] / away.sum(axis=1, keepdims=True)
+            weights = away[:, ::-1] / away.sum(axis=1, keepdims=True)
+            self._weights[term.label] = first[which], weights
         which, weights = self._weights[term.label]
-        return np.ascontiguousarray((response.gap[first][which] * weights).sum(axis=1))
+        return np.ascontiguousarray((response.gap[which] * weights).sum(axis=1))

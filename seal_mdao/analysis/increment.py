@@ -65,6 +65,8 @@ class Solution(NamedTuple):
         The state evaluated last, at ``d`` where converged; None where none could be evaluated.
     factor : Factor
         Factor of the tangent there, where converged.
+    cycle : tuple
+        ``Assembly.iteration`` of the iterates of one cycle, where CYCLED.
     """
 
     status: Status
@@ -72,6 +74,7 @@ class Solution(NamedTuple):
     residuals: tuple
     assembly: Assembly | None = None
     factor: Factor | None = None
+    cycle: tuple = ()
 
     @property
     def converged(self) -> bool:

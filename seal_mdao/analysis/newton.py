@@ -95,33 +95,25 @@ def iterate(increment: Increment, d, iteration=None, mixed: bool = False) -> Sol
     mixed : bool
         Whether the linearisations are those of mixed iterations (``mixed_newton``).
     """
-    found, cycle = _iterate(increment, d, iteration, mixed)
-    state = increment.problem.through_slip(cycle) if cycle else None
+    found = _iterate(increment, d, iteration, mixed)
+    state = increment.problem.through_slip(found.cycle) if found.cycle else None
     if state is None:
         return found
     # from the last iterate, with points that pass through slip between open and stick
-    again, _ = _iterate(increment, found.assembly.d, state, mixed)
-    again = again.after(found.residuals[:-1])
+    again = _iterate(increment, found.assembly.d, state, mixed).after(found.residuals[:-1])
     return again if again.converged else found._replace(residuals=again.residuals)
 
 
-def _iterate(increment: Increment, d, iteration, mixed: bool) -> tuple[Solution, list]:
-    """Iterate until the iterations converge, fail or cycle.
-
-    Returns
-    -------
-    Solution
-    list of tuple
-        ``Assembly.iteration`` of the iterates of one cycle; empty where they do not cycle.
-    """
+def _iterate(increment: Increment, d, iteration, mixed: bool) -> Solution:
+    """Iterate until the iterations converge, fail or cycle."""
     options, residuals, visited, states, now = increment.options, [], [], [], None
     for number in range(options.max_iterations + 1):
         last, now = now, increment.evaluate(d, iteration, tangent=not mixed)
         if now is None:
-            return Solution(Status.INVERTED, d, tuple(residuals), last), []
+            return Solution(Status.INVERTED, d, tuple(residuals), last)
         residuals.append(now.size)
         if not np.isfinite(now.size):
-            return Solution(Status.DIVERGED, d, tuple(residuals), now), []
+            return Solution(Status.DIVERGED, d, tuple(residuals), now)
         done = converged(now, options)
         if number == options.max_iterations and not done:
             break
@@ -129,23 +121,24 @@ def _iterate(increment: Increment, d, iteration, mixed: bool) -> tuple[Solution,
         states.append(now.iteration)
         period = 0 if done else _cycle(visited)
         if period:
-            mean = np.mean(visited[-period:], axis=0)
-            return Solution(Status.CYCLED, mean, tuple(residuals), now), states[-period:]
+            mean, cycle = np.mean(visited[-period:], axis=0), tuple(states[-period:])
+            return Solution(Status.CYCLED, mean, tuple(residuals), now, cycle=cycle)
         if mixed:
             # tangent and force of the mixed linearisation at the same d
             now = increment.evaluate(d, now.iteration, mixed=not done)
         try:
             if done:
-                factor = now.factorize(check=True)
-                return Solution(Status.CONVERGED, d, tuple(residuals), now, factor), []
+                return Solution(
+                    Status.CONVERGED, d, tuple(residuals), now, now.factorize(check=True)
+                )
             # K dd = -r, Eq. (44)
             factor = now.factorize()
             d = d - increment.gather(factor.solve(now.residual))
         except np.linalg.LinAlgError:
-            return Solution(Status.SINGULAR, d, tuple(residuals), now), []
+            return Solution(Status.SINGULAR, d, tuple(residuals), now)
         if mixed:
             # the linear step with the contact law itself between facing walls
             contacts = increment.problem.linear_contacts(now.iteration, increment.history)
             d = with_contact(increment, contacts, d, factor)
         iteration = now.iteration
-    return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now), []
+    return Solution(Status.NOT_CONVERGED, d, tuple(residuals), now)

@@ -123,8 +123,8 @@ class PathProblem:
         for term, own in zip(self.terms, iteration or [None] * len(self.terms), strict=True):
             term.begin(own)
 
-    def through_slip(self, cycle: list) -> tuple | None:
-        """Return the state that continues the iterations of one ``cycle``, a list of
+    def through_slip(self, cycle: tuple) -> tuple | None:
+        """Return the state that continues the iterations of one ``cycle``, a tuple of
         ``Assembly.iteration``, with contact points that pass through slip between open and stick; None
         where no point passed over slip."""
         found = [

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cord_files import cord
+from round_tip import PRESSED_TIP
 
 import seal_mdao as sm
 from seal_mdao.accuracy import chosen_spacing
@@ -252,33 +253,7 @@ def test_creases_are_refused_before_the_estimate(monkeypatch, tmp_path):
         refine(sm.read_seal_file(accurate(tmp_path)))
 
 
-LIP = """
-[material.rubber]
-shore_a = 60
-[section]
-spacing = 0.4
-edge_spacing = {{ tip = {tip} }}
-accuracy = {{ {accuracy} }}
-outer = [
-  {{ edge = "foot", line = [[-0.5, 0.0], [0.5, 0.0]] }},
-  {{ edge = "front", line = [[0.5, 0.0], [0.5, 3.0]] }},
-  {{ edge = "tip", arc = {{ start = [0.5, 3.0], through = [0.0, 3.5], end = [-0.5, 3.0] }} }},
-  {{ edge = "back", line = [[-0.5, 3.0], [-0.5, 0.0]] }},
-]
-[fixed]
-edges = ["foot"]
-[[profile]]
-name = "plate"
-friction = 0.2
-contact = ["tip"]
-line = [[-9.0, 0.0], [9.0, 0.0]]
-start = [0.0, 3.5]
-normal_penalty = 1e7
-tangent_penalty = 3e5
-stage = [{{ translate = [0.0, -0.01], steps = 4 }}]
-[[measure]]
-type = "reaction"
-[[measure]]
+MEASURES = """[[measure]]
 type = "contact_width"
 [[measure]]
 type = "peak_pressure"
@@ -287,12 +262,12 @@ type = "pressure_integral"
 exponent = 2
 reference_pressure = 100.0
 """
-"""A round tip of 0.5 mm, pressed by so little that few points touch."""
 
 
 def lip(folder, accuracy, tip=0.04):
     path = folder / "lip.toml"
-    path.write_text(LIP.format(accuracy=accuracy, tip=tip))
+    section = f"spacing = 0.4\nedge_spacing = {{ tip = {tip} }}\naccuracy = {{ {accuracy} }}"
+    path.write_text(PRESSED_TIP.format(section=section) + MEASURES)
     return path
 
 

@@ -466,9 +466,7 @@ def _check_bodies_held(file, gaps) -> None:
         # what is missing, which body, and how far the nearest profile is
         first = contours[0].edge_names[0]
         what = f"body {number} (edge {first!r})" if outline.others else "the section"
-        missing = "[fixed] is missing"
-        if file.fixed_edges:
-            missing = "[fixed] has no edge of this body"
+        missing = "[fixed] has no edge of this body" if file.fixed_edges else "[fixed] is missing"
         nearest = "no profile may touch it at a particle"
         if own:
             nearest = f"the nearest one is {min(own):.3g} mm away"

@@ -182,7 +182,8 @@ def _with_contact_points(file: SealFile) -> tuple:
     (unless each of them touches a segment of it at the start), the work of a profile that turns.
     """
     bodies = () if file.axisymmetric else unsupported_bodies(file)
-    unsupported = {name for *_, names in bodies for name in names if not _is_clamped(file, names)}
+    loose = [names for *_, names in bodies if not _is_clamped(file, names)]
+    unsupported = {name for names in loose for name in names}
     spacing = file.section.spacing
     found = []
     for own in file.profiles:
