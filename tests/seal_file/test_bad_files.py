@@ -248,7 +248,9 @@ BAD = {
     "unknown material": ('material = "rubber"', 'material = "ruber"',
                          "[section]: material = 'ruber', but there is no such material (did you mean"),
     # section
-    "no spacing": (*without("spacing = 0.9\n"), "[section]: the section needs exactly one of"),
+    "no spacing": (*without("spacing = 0.9\n"), "but has none of them; give for example spacing and"),
+    "spacing and cloud": ("spacing = 0.9", 'spacing = 0.9\ncloud = "a.msh"',
+                          "but has spacing and cloud; leave out all but one"),
     "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),
     "spacing a text": ("spacing = 0.9", 'spacing = "fine"', "[section]: spacing = 'fine', but it must"),
     "spacing too large": ("spacing = 0.9", "spacing = 9.0", "[section]: spacing = 9 mm is not less"),

@@ -196,10 +196,15 @@ class WrittenSection(Table):
         given = [name for name in FILLINGS if getattr(self, name) is not None]
         chosen = self.accuracy is not None
         if len(given) != 1 and not (chosen and not given):
+            advice = (
+                f"{' and '.join(given)}; leave out all but one"
+                if given
+                else "none of them; give for example spacing and layers = 5 (layers of particles across "
+                'the thinnest wall), or accuracy = "1 %", which chooses the particles automatically'
+            )
             raise ValueError(
                 "the section needs exactly one of the keys spacing (largest distance of particles in "
-                "mm), rays (radial rows) and cloud (mesh file), but has "
-                + (" and ".join(given) or "none of them")
+                f"mm), rays (radial rows) and cloud (mesh file), but has {advice}"
             )
         if chosen and given not in ([], ["spacing"]):
             raise ValueError(
