@@ -243,16 +243,16 @@ def unresolved_peaks(result) -> tuple[str, ...]:
         finer = "use a smaller edge_spacing for the edge that touches this profile"
         if SOME <= count < ENOUGH:
             lines.append(
-                f"the peak pressure on {profile!r} is computed from only {count} points in "
+                f"the peak pressure on {profile!r} is computed from only {count} adjacent points in "
                 f"contact, so its numerical error may be 10 %; {finer}"
             )
         elif 0 < count < SOME:
-            points = "2 points are" if count == 2 else "1 point is"
+            points = "2 adjacent points are" if count == 2 else "1 point is"
             lines.append(
-                f"the peak pressure on {profile!r} is not resolved: only {points} in contact, and "
-                "the contact may be narrower than the distance of two points; the computed peak "
-                "may be several times too small and the contact width wrong, while the force is "
-                f"affected far less; {finer}"
+                f"the peak pressure on {profile!r} is not resolved: at the peak only {points} in "
+                "contact, which may be narrower there than the distance of two points; the "
+                "computed peak may be several times too small and the contact width wrong, while "
+                f"the force is affected far less; {finer}"
             )
     return tuple(lines)
 

@@ -25,7 +25,7 @@ from seal_mdao.seals.local_states import (
     beside_fixed_ends,
     meaningless_states,
 )
-from seal_mdao.seals.missing_contact import buried_edges
+from seal_mdao.seals.missing_contact import buried_edges, same_profiles
 from seal_mdao.seals.overlap import crossings, overlap_depths
 from seal_mdao.values import place as _at
 
@@ -378,9 +378,13 @@ def _inside_profiles(samples: EvaluationPoints):
     for term in path.problem.terms:
         if not isinstance(term, ContactTerm):
             continue
-        # gaps of all boundary samples, not only of the contact points; but not beside buried edges
+        # gaps of all boundary samples, not only of the contact points; but not beside buried edges,
+        # nor on the sides that touch the same profile by another contact
         of = [edges[own.edge].particles for own in buried if own.profile == term.label]
-        beside = np.isin(samples.chains[:, [0, -1]], np.concatenate(of or [[]])).any(axis=1)
+        sides = samples.chains[:, [0, -1]]
+        beside = np.isin(sides, np.concatenate(of or [[]])).any(axis=1)
+        for own in same_profiles(path, term):
+            beside |= np.isin(sides, own.where.edges).all(axis=1)
         which = np.unique(samples.chains[~beside])
         if not which.size:
             continue

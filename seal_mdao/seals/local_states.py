@@ -72,7 +72,13 @@ def meaningless_states(samples: EvaluationPoints):
     if not stress[worst] <= LARGEST_STRESS * shear:
         # the twelve nearest samples, without the point itself
         near = np.median(stress[cKDTree(places).query(places[worst], k=13)[1][1:]])
-        if not stress[worst] <= ABOVE_NEIGHBOURS * near:
+        if np.isnan(stress[worst]):
+            yield (
+                f"the von Mises stress cannot be computed {_where(places[worst])}, because the "
+                f"material is inverted there (det F < 0); {cure_at(samples, places[worst])}",
+                places[worst],
+            )
+        elif not stress[worst] <= ABOVE_NEIGHBOURS * near:
             yield (
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
                 f"times the shear modulus, {_where(places[worst])}, but only {near:.3g} kPa at "

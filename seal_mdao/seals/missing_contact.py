@@ -11,6 +11,9 @@ from seal_mdao.geometry.motion import Motion
 from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.seals.profiles import stage_of
 
+SAME = 1e-9
+"""Difference of the gaps to two profiles that have the same curve and motion, mm: rounding."""
+
 
 class Buried(NamedTuple):
     """Edge that penetrates a profile without being one of its contact edges, with its deepest
@@ -52,7 +55,8 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
     ]
     for term in terms:
         # ends of the sides that belong to the contact points
-        touched = np.unique(term.where.edges)
+        same = [term, *same_profiles(path, term)]
+        touched = np.unique(np.concatenate([own.where.edges.ravel() for own in same]))
         free = {name: np.setdiff1d(body.edges[name].particles, touched) for name in outside}
         may = [name for name, own in free.items() if not own.size]
         found = {}
@@ -68,6 +72,20 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
         for name, (depth, place, first) in found.items():
             cure = _cure(body, name, [*may, *found])
             yield Buried(name, term.label, depth, place, _position(motion, first), cure)
+
+
+def same_profiles(path: PathResult, term: ContactTerm) -> list[ContactTerm]:
+    """List the other contacts with a profile of the same curve and motion, for other edges: the gaps of
+    all particles are the same after every load step."""
+    steps = path.nominal_steps
+    x = [path.discretization.particles + path.displacement(k) for k in range(len(steps))]
+    return [
+        own for own in path.problem.terms if isinstance(own, ContactTerm) and own is not term
+        and all(
+            np.allclose(own.gaps(at, step.fraction), term.gaps(at, step.fraction), rtol=0.0, atol=SAME)
+            for at, step in zip(x, steps, strict=True)
+        )
+    ]  # fmt: skip
 
 
 def missing_contact(path: PathResult) -> str:

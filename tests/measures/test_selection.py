@@ -203,8 +203,8 @@ type = "contact_width"
 @pytest.mark.parametrize(
     ("finer", "count", "warning"),
     [
-        ("edge_spacing = { tip = 0.04 }", 3, "is computed from only 3 points in contact, so its"),
-        ("", 1, "is not resolved: only 1 point is in contact"),
+        ("edge_spacing = { tip = 0.04 }", 3, "is computed from only 3 adjacent points in contact"),
+        ("", 1, "is not resolved: at the peak only 1 point is in contact"),
     ],
 )
 def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning):

@@ -13,6 +13,7 @@ from seal_mdao.seals import local_states
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import meaningless_states, stress_peak
+from seal_mdao.structure.particle_stress import particle_stress
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,19 @@ def test_a_state_beyond_any_rubber_is_named_with_its_cure(pressed, monkeypatch, 
     assert local_states.CURE in found
     assert again.converged
     assert not again.trustworthy
+
+
+def test_a_stress_that_is_no_number_is_that_of_inverted_material(pressed, monkeypatch):
+    disc = pressed.path.discretization
+    places = disc.body.samples.at(disc.particles)
+    stress = particle_stress(pressed.path, np.arange(len(places)))
+    worst = int(stress.value.argmax())
+    unknown = np.where(np.arange(len(places)) == worst, np.nan, stress.value)
+    monkeypatch.setattr(local_states, "particle_stress", lambda *_: stress._replace(value=unknown))
+    ((text, point),) = meaningless_states(EvaluationPoints(replace(pressed.path)))
+    assert "stress cannot be computed at x = " in text
+    assert "inverted" in text
+    assert np.array_equal(point, places[worst])
 
 
 def test_a_high_stress_all_around_is_not_that_of_a_point(pressed, monkeypatch):

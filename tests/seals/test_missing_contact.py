@@ -110,3 +110,52 @@ def test_path_that_fails_names_the_edge_that_came_near(alone):
 
 def test_path_that_fails_for_another_reason_says_nothing_of_edges(both):
     assert missing_contact(both.path) == ""
+
+
+RIBS = """
+[material.rubber]
+shore_a = 60
+[section]
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[0, 0], [12, 0]] },
+  { edge = "side", line = [[12, 0], [12, 3], [11, 3]] },
+  { edge = "right", line = [[11, 3], [10.5, 5], [8.5, 5], [8, 3]] },
+  { edge = "groove", line = [[8, 3], [4, 3]] },
+  { edge = "left", line = [[4, 3], [3.5, 5], [1.5, 5], [1, 3]] },
+  { edge = "other_side", line = [[1, 3], [0, 3], [0, 0]] },
+]
+[fixed]
+edges = ["base"]
+"""
+PRESSING = """[[profile]]
+name = "{edge}_plate"
+friction = 0.3
+contact = ["{edge}"]
+line = [[-60, {tilt}], [60, 0]]
+start = [6, 5]
+normal_penalty = 1e5
+tangent_penalty = 1e4
+stage = [{{ translate = [0, -0.6], steps = 4 }}]
+"""
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.01])
+def test_profiles_of_the_same_curve_and_motion_are_one(tmp_path, monkeypatch, tilt):
+    """The other rib touches the same plate as another contact; with another curve it would not."""
+    plates = PRESSING.format(edge="left", tilt=0.0) + PRESSING.format(edge="right", tilt=tilt)
+    (tmp_path / "ribs.toml").write_text(RIBS + plates)
+    result = sm.analyze(sm.build_seal(tmp_path / "ribs.toml"))
+    buried = {(own.edge, own.profile) for own in buried_edges(result.path, 1e-4)}
+    expected = {("left", "right_plate"), ("right", "left_plate")} if tilt else set()
+    assert buried == expected
+    # the penetration of a rib is said of its own contact
+    monkeypatch.setattr(checks, "SLIGHT", 1e-5)
+    where = [
+        (found.text.split("'")[1], float(re.search(r"near x = ([0-9.]+)", found.text)[1]) > 6.0)
+        for found in findings(replace(result, path=replace(result.path)).path)
+        if "inside the rigid profile" in found.text and "may not touch" not in found.text
+    ]
+    assert ("left_plate", False) in where
+    assert ("right_plate", True) in where
+    assert len(where) == 2
