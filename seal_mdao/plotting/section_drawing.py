@@ -5,6 +5,7 @@ from copy import copy
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
@@ -187,11 +188,9 @@ def _lines(result: SealResult, fixed: np.ndarray, particles: np.ndarray) -> list
 # ---- drawing ----
 
 
-def draw_cells(axes: Axes, particles: np.ndarray, cells: np.ndarray, **line) -> None:
+def draw_cells(axes: Axes, particles: np.ndarray, cells: np.ndarray, color, **line) -> None:
     """Plot the outline of every cell (m, 4)."""
-    # one line a cell: axes.plot takes arrays (5 points, m cells) of x and of y
-    closed = np.concatenate([particles[cells], particles[cells[:, :1]]], axis=1)
-    axes.plot(*closed.transpose(2, 1, 0), **line)
+    axes.add_collection(PolyCollection(particles[cells], edgecolor=color, facecolor="none", **line))
 
 
 def _fill(axes: Axes, rings, **patch) -> None:

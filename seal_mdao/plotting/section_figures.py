@@ -99,7 +99,8 @@ def section_cloud(result: SealResult, estimates: dict | None = None) -> Figure:
     section.frame(axes, low, high, seal)
     title = [f"{len(particles)} particles, {len(seal.body.cells)} cells"]
     title += _error_lines(seal, estimates or {})
-    axes.set_title("\n".join(title), loc="left")
+    # y = 1: automatic positions measure the ticks once more
+    axes.set_title("\n".join(title), loc="left", y=1.0)
     axes.legend(**BESIDE, title="edges", alignment="left")
     return figure
 
@@ -183,7 +184,8 @@ def deformed_shapes(result: SealResult, steps=None) -> Figure:
     for axes, step in zip(panel, steps, strict=True):
         contours = section.draw_stress(axes, fine, step, scales)
         section.frame(axes, low, high, result.seal)
-        axes.set_title(result.caption(step))
+        # y = 1: automatic positions measure the ticks once more
+        axes.set_title(result.caption(step), y=1.0)
         axes.label_outer()
     mark_failure(figure, result)
     figure.legend(*panel[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)

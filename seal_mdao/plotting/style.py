@@ -4,9 +4,10 @@ from io import BytesIO
 from pathlib import Path
 
 import matplotlib
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import imsave
+from PIL import Image
 
 from seal_mdao.plotting.captions import caption
 
@@ -175,5 +176,9 @@ def save(figure: Figure, path, dpi: int = 160) -> Path:
     # drawn once: ``savefig`` draws a figure with a layout engine twice, first only for the layout
     figure.set_dpi(dpi)
     figure.canvas.draw()
-    imsave(path, figure.canvas.buffer_rgba(), dpi=dpi, pil_kwargs=COMPRESSION)
+    pixels = np.asarray(figure.canvas.buffer_rgba())
+    # of an opaque figure the alpha channel is left out, whose compression takes a quarter of the time
+    if figure.get_facecolor()[3] == 1.0:
+        pixels = pixels[..., :3]
+    Image.fromarray(pixels).save(path, dpi=(dpi, dpi), **COMPRESSION)
     return path

@@ -45,7 +45,8 @@ NAMED = (["material"], ["vary"], ["tolerance", "vary"])
 TAG = "\0"
 """Before the name of a class that one of the keys of a table chooses."""
 
-_CONFIG = ConfigDict(extra="forbid", populate_by_name=True)
+# one schema for all tables of a file, not another one for every class
+_CONFIG = ConfigDict(extra="forbid", populate_by_name=True, defer_build=True)
 table = partial(dataclass, frozen=True, config=_CONFIG)
 """Decorator of the classes of tables."""
 
