@@ -7,7 +7,7 @@ from matplotlib.animation import FuncAnimation, PillowWriter, writers
 
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
-from seal_mdao.plotting.several_seals import draw_forces
+from seal_mdao.plotting.several_seals import draw_forces, force_against_travel
 from seal_mdao.plotting.style import BLUE, VERMILION, add_caption, styled, subplots
 from seal_mdao.seals.result import SealResult
 
@@ -82,6 +82,8 @@ def save_animation(
     # the line at zero is the first one
     curve = right.lines[1]
     curve.set_color(BLUE)
+    # points of the curve at the start of the path and after each step
+    travel, force, ends, _ = force_against_travel(result)
     (marker,) = right.plot([], [], "o", color=VERMILION)
 
     def draw(step: int):
@@ -89,10 +91,8 @@ def save_animation(
         section.draw_stress(left, fine, step, scales)
         section.frame(left, low, high, result.seal)
         left.set_title(result.caption(step))
-        # point of the curve after this step; its first one is the start of the path
-        marker.set_data(
-            curve.get_xdata()[step + 1 : step + 2], curve.get_ydata()[step + 1 : step + 2]
-        )
+        here = ends[step + 1]
+        marker.set_data(travel[here : here + 1], force[here : here + 1])
         return (left,)
 
     contours = section.draw_stress(left, fine, count - 1, scales)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
+from seal_mdao.measures.reaction import travel_direction
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.contact_curves import along_contact
 from seal_mdao.plotting.field import fine_grid
@@ -31,7 +32,7 @@ def load_deflection_of(results: Mapping[str, SealResult], title: str = "") -> Fi
     Returns
     -------
     Figure
-        Component of the force against the travel of the first stage, N/m or N.
+        Component of the force against the travel of each stage, N/m or N.
     """
     figure, axes = subplots(width=7.4, height=4.6)
     draw_forces(axes, results)
@@ -40,21 +41,13 @@ def load_deflection_of(results: Mapping[str, SealResult], title: str = "") -> Fi
 
 
 def draw_forces(axes, results) -> None:
-    """Plot the force on the leading profile against the travel of its first stage over its path length
-    from the start, for every seal; of a profile that only turns the larger component."""
+    """Plot the force on the leading profile against the travel of each stage over its path length from
+    the start, for every seal; of a profile that only turns the larger component."""
     labels = {}
     axes.axhline(0.0, color="black", linewidth=0.8)
     for number, (name, result) in enumerate(results.items()):
-        contact = leading_contact(result.seal)
-        history = next(h for h in profile_histories(result) if h.label == contact.label)
-        # path length s_k = sum |x_i - x_{i-1}|: loading and unloading stages follow each other
-        start = np.array(contact.motion.coordinates(0.0))[:2]
-        points = np.vstack([start, history.place[:, :2]])
-        travel = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-        against, words = against_travel(contact.motion, history, result.seal.units)
+        travel, force, _, words = force_against_travel(result)
         labels[f"{words} ({result.seal.units.force})"] = None
-        # F . e with e opposite to the travel
-        force = np.append(0.0, history.force @ against)
         axes.plot(travel, force, color=CYCLE[number % len(CYCLE)], label=name)
         if not result.converged:
             axes.plot(travel[-1], force[-1], "x", color=CYCLE[number % len(CYCLE)])
@@ -66,18 +59,58 @@ def draw_forces(axes, results) -> None:
         add_length_axis(axes, ring)
 
 
+def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
+    """Compute the force on the leading profile against the travel of each stage over the path length.
+
+    Where the direction of the travel changes the curve has a jump: two points at one travel.
+
+    Parameters
+    ----------
+    result : SealResult
+        With a profile.
+
+    Returns
+    -------
+    travel, force : ndarray, shape (m,)
+        Path length from the start, mm; force, N/m or N, positive where the seal resists.
+    ends : ndarray of int, shape (n + 1,)
+        Indices of the points at the start and at the ends of the n nominal steps.
+    words : str
+        Name of the force.
+    """
+    contact = leading_contact(result.seal)
+    history = next(h for h in profile_histories(result) if h.label == contact.label)
+    against, words = against_travel(contact.motion, history, result.seal.units)
+    # path length s_k = sum |x_i - x_{i-1}|: loading and unloading stages follow each other
+    start = np.array(contact.motion.coordinates(0.0))[:2]
+    points = np.vstack([start, history.place[:, :2]])
+    travel = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    # F_k . e_k with e_k opposite to the travel in step k, F_0 = 0
+    force = np.append(0.0, np.sum(history.force * against, axis=1))
+    # F_k . e_(k+1) is the second value at the end of a step after which the direction changes
+    turns = 1 + np.flatnonzero(np.abs(np.diff(against, axis=0)).max(axis=1, initial=0.0) > PARALLEL)
+    jumped = np.sum(history.force[turns - 1] * against[turns], axis=1)
+    ends = np.arange(len(force))
+    ends += np.searchsorted(turns, ends)
+    return (
+        np.insert(travel, turns + 1, travel[turns]), np.insert(force, turns + 1, jumped), ends, words
+    )  # fmt: skip
+
+
 def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
-    """Return the unit vector against the first travel of a motion, and words for the force along it."""
-    moved = np.diff(motion.positions, axis=0)
-    length = np.hypot(*moved.T)
-    if not length.any():
+    """Return the unit vectors (n, 2) against the travel of a motion in the n steps of a history, and
+    words for the force along them."""
+    count = len(history.force)
+    if not motion.travel > 0.0:
         component = history.main_component
-        return np.eye(2)[component], f"{units.directions[component]} force on {history.label}"
-    first = int(np.argmax(length > 0.0))
-    against = -moved[first] / length[first]
-    # a travel along an axis has the name of the component
-    along = np.flatnonzero(np.abs(against) > 1.0 - PARALLEL)
-    direction = f"{units.directions[along[0]]} " if along.size else ""
+        fixed = np.broadcast_to(np.eye(2)[component], (count, 2))
+        return fixed, f"{units.directions[component]} force on {history.label}"
+    # the direction of a measure "reaction" with direction = "travel"
+    travels = motion.travels[1 : count + 1]
+    against = np.array([-travel_direction(motion, travel)[0] for travel in travels]).reshape(-1, 2)
+    # where all travel is along an axis, the force has the name of the component
+    along = np.flatnonzero((np.abs(against) > 1.0 - PARALLEL).all(axis=0))
+    direction = f"{units.directions[along[0]]} " if count and along.size else ""
     return against, f"{direction}force on {history.label} against its travel"
 
 

@@ -13,9 +13,11 @@ from seal_mdao import plotting
 from seal_mdao.equilibrium.discretization import Edge
 from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
-from seal_mdao.plotting.several_seals import against_travel
+from seal_mdao.plotting.animation import save_animation
+from seal_mdao.plotting.several_seals import against_travel, force_against_travel
 from seal_mdao.seals.profiles import contacts, profile_histories
 from seal_mdao.seals.result import unloaded
 from seal_mdao.structure.elastic_body import ElasticBody
@@ -105,24 +107,60 @@ def test_colour_bars_of_two_materials_do_not_narrow_the_panels(pressed):
 
 
 def test_forces_of_several_seals_are_those_against_the_travel(pressed):
-    """Friction of a sliding stage is not part of the force of a load-deflection curve."""
+    """As the measure with direction "travel": along y in stage 1, along x in stage 2."""
     axes = plotting.load_deflection_of({"block": pressed}).axes[0]
-    assert axes.get_ylabel() == "vertical force on roll against its travel (N/m)"
+    assert axes.get_ylabel() == "force on roll against its travel (N/m)"
     force = pressed.path.reaction("roll")
-    assert np.abs(force[-1, 0]) > 1.0
-    np.testing.assert_array_equal(axes.lines[1].get_ydata(), [0.0, *force[:, 1]])
+    assert np.abs(force[4:, 0]).min() > 1.0
+    # the curve jumps at the end of stage 1, 0.6 mm
+    travel, drawn = axes.lines[1].get_data()
+    assert travel == pytest.approx(
+        [0.0, *0.12 * np.arange(1, 6), 0.6, *0.6 + 0.4 / 3 * np.arange(1, 4)]
+    )
+    np.testing.assert_allclose(drawn, [0.0, *force[:5, 1], *-force[4:, 0]], rtol=1e-12)
+    _, measured = Reaction("roll", direction="travel").curve(pressed)
+    _, drawn, ends, _ = force_against_travel(pressed)
+    np.testing.assert_allclose(drawn[ends], measured, rtol=1e-12)
 
 
 def test_force_against_an_inclined_travel(pressed):
-    """-F . u with the direction u of the first stage that travels; a profile that turns has none."""
+    """-F . u with the direction u of each stage; a profile that turns has none."""
     history, units = profile_histories(pressed)[0], pressed.seal.units
     steps = [Stage(2, rotate=5.0), Stage(4, (-0.3, -0.4)), Stage(2, (1.0, 0.0))]
     against, words = against_travel(staged_motion(steps, start=(0.0, 4.0)), history, units)
-    assert against == pytest.approx([0.6, 0.8])
+    assert against == pytest.approx(np.array([[0.6, 0.8]] * 6 + [[-1.0, 0.0]] * 2))
     assert words == "force on roll against its travel"
     against, words = against_travel(staged_motion(steps[:1], start=(0.0, 4.0)), history, units)
-    assert against.tolist() == [0.0, 1.0]
+    assert against.tolist() == [[0.0, 1.0]] * 8
     assert words == "vertical force on roll"
+
+
+def test_force_against_the_travel_of_loading_and_unloading(pressed):
+    """It has the name of its component, and its sign changes where the travel reverses."""
+    history, units = profile_histories(pressed)[0], pressed.seal.units
+    steps = [Stage(5, (0.0, -0.6)), Stage(3, (0.0, 0.6))]
+    against, words = against_travel(staged_motion(steps, start=(0.0, 4.0)), history, units)
+    assert against.tolist() == [[0.0, 1.0]] * 5 + [[0.0, -1.0]] * 3
+    assert words == "vertical force on roll against its travel"
+
+
+def test_the_mark_of_an_animation_is_on_its_curve(pressed, tmp_path, monkeypatch):
+    """At the end of each load step, the jump between the stages included."""
+    marks = []
+
+    def drawn(self, path, **_):
+        # else it warns that none of its frames is written
+        self._draw_was_started = True
+        for step in range(8):
+            self._func(step)
+            curve, marker = self._fig.axes[1].lines[1:3]
+            marks.append(np.ravel(marker.get_data()))
+            assert marks[-1].tolist() in np.transpose(curve.get_data()).tolist()
+
+    monkeypatch.setattr("seal_mdao.plotting.animation.FuncAnimation.save", drawn)
+    save_animation(pressed, tmp_path / "roll.gif")
+    expected = Reaction("roll", direction="travel").curve(pressed)
+    np.testing.assert_allclose(np.transpose(marks), np.array(expected)[:, 1:], rtol=1e-12)
 
 
 def test_edges_of_a_section_look_different():
