@@ -275,6 +275,11 @@ def draw_colorbars(figure: Figure, axes, contours: list, fine: FineGrid, **optio
         name = f"{region.name}: " if len(contours) > 1 else ""
         bar = figure.colorbar(own, ax=axes, **options)
         bar.set_label(f"{name}{stress_label(bar)}")
+        # the layout measures a bar once for each of its axes: the widest number is enough
+        numbers = bar.ax.get_yticklabels()
+        widest = max(numbers, key=lambda own: len(own.get_text()))
+        for own in numbers:
+            own.set_in_layout(own is widest)
 
 
 def draw_contact(axes: Axes, result: SealResult, step: int) -> None:
