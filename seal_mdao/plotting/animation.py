@@ -78,10 +78,7 @@ def save_animation(
     figure, (left, right) = subplots(
         1, 2, width=1.1 * width + 4.7 + bars, height=max(1.1 * height, 3.6)
     )
-    draw_forces(right, {"": result})
-    # the line at zero is the first one
-    curve = right.lines[1]
-    curve.set_color(BLUE)
+    draw_forces(right, {"": result}, {"": BLUE})
     # points of the curve at the start of the path and after each step
     travel, force, ends, _ = force_against_travel(result)
     (marker,) = right.plot([], [], "o", color=VERMILION)

@@ -1,6 +1,7 @@
 """Figures of several analysed seals side by side: load-deflection, contact pressure, sections."""
 
 from collections.abc import Mapping
+from itertools import cycle
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,7 +16,13 @@ from seal_mdao.seals.profiles import PARALLEL, leading_contact, profile_historie
 from seal_mdao.seals.result import SealResult
 
 MOST_SECTIONS = 6
-"""Sections that are drawn beside the curves."""
+"""Sections that are drawn below the curves."""
+LONGEST_LABEL = 40
+"""Letters of the label of a force in one line."""
+LEAST_HEIGHT = 3.4
+"""Height of the row of sections, for the label of the colour bar, inches."""
+SAME_SCALE = 3.0
+"""Ratio of the sizes of sections up to which they are drawn in one scale of length."""
 
 
 @styled
@@ -32,27 +39,46 @@ def load_deflection_of(results: Mapping[str, SealResult], title: str = "") -> Fi
     Returns
     -------
     Figure
-        Component of the force against the travel of each stage, N/m or N.
+        Component of the force against the travel of each stage; a panel for N/m, one for N.
     """
-    figure, axes = subplots(width=7.4, height=4.6)
-    draw_forces(axes, results)
-    axes.legend(loc="best", title=title or None)
+    groups, colors = _by_unit(results), _colors(results)
+    figure, panels = subplots(1, len(groups), width=7.4 * len(groups), height=4.6, squeeze=False)
+    for axes, group in zip(panels[0], groups, strict=True):
+        draw_forces(axes, group, colors)
+        axes.legend(loc="best", title=title or None)
     return figure
 
 
-def draw_forces(axes, results) -> None:
+def _by_unit(results) -> list[dict]:
+    """Divide results by the unit of their forces, N/m of strips and N of rings."""
+    groups = {}
+    for name, result in results.items():
+        groups.setdefault(result.seal.units.force, {})[name] = result
+    return list(groups.values())
+
+
+def _colors(results) -> dict[str, str]:
+    """Choose a colour for every seal."""
+    return dict(zip(results, cycle(CYCLE), strict=False))
+
+
+def draw_forces(axes, results, colors) -> None:
     """Plot the force on the leading profile against the travel of each stage over its path length from
-    the start, for every seal; of a profile that only turns the larger component."""
+    the start, for every seal with its colour; of a profile that only turns the larger component."""
     labels = {}
     axes.axhline(0.0, color="black", linewidth=0.8)
-    for number, (name, result) in enumerate(results.items()):
+    for name, result in results.items():
         travel, force, _, words = force_against_travel(result)
         labels[f"{words} ({result.seal.units.force})"] = None
-        axes.plot(travel, force, color=CYCLE[number % len(CYCLE)], label=name)
+        axes.plot(travel, force, color=colors[name], label=name)
         if not result.converged:
-            axes.plot(travel[-1], force[-1], "x", color=CYCLE[number % len(CYCLE)])
+            axes.plot(travel[-1], force[-1], "x", color=colors[name])
     axes.set_xlabel("travel of the profile (mm)")
-    axes.set_ylabel("\nor ".join(labels))
+    # a long label in two lines, so that it is no longer than the axis
+    broken = (
+        own.replace(" against", "\nagainst") if len(own) > LONGEST_LABEL else own for own in labels
+    )
+    axes.set_ylabel("\nor ".join(broken))
     # rings of one circumference
     ring, *others = {result.seal.units for result in results.values()}
     if ring.radius is not None and not others:
@@ -114,7 +140,7 @@ def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
     return against, f"{direction}force on {history.label} against its travel"
 
 
-def draw_pressures(axes, results) -> None:
+def draw_pressures(axes, results, colors) -> None:
     """Plot the true contact pressure at the end against arc length, from the middle of the contact."""
     for number, (name, result) in enumerate(results.items()):
         contact = leading_contact(result.seal)
@@ -125,7 +151,7 @@ def draw_pressures(axes, results) -> None:
         pressure = pressure[order]
         # centre of pressure at zero, so that sections of different size lie above each other
         s = s - np.average(s, weights=pressure)
-        axes.plot(s, pressure, color=CYCLE[number % len(CYCLE)], label=name)
+        axes.plot(s, pressure, color=colors[name], label=name)
         touched = s[pressure > 0.0]
         low, high = axes.dataLim.intervalx if number == 0 else axes.get_xlim()
         border = max(0.15 * np.ptp(touched), 2.0 * np.diff(s).max())
@@ -148,7 +174,8 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     Returns
     -------
     Figure
-        Curves above, the sections at the end of the path below, in one scale of stress.
+        Curves above, with a panel for N/m and one for N; the sections at the end of the path below, in
+        one scale of stress and, unless they differ by more than ``SAME_SCALE``, one scale of length.
 
     Raises
     ------
@@ -161,28 +188,39 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     shown = dict(list(results.items())[:MOST_SECTIONS])
     fine = {name: fine_grid(result) for name, result in shown.items()}
     scale = section.stress_scale(own.von_mises(-1) for own in fine.values())
-    windows = [section.window([own.deformed(-1)], 0.15, own.result.seal) for own in fine.values()]
-    # one scale of length for all sections
-    low = np.min([w[0] for w in windows], axis=0)
-    high = np.max([w[1] for w in windows], axis=0)
-    width, height = section.panel_size(low, high)
-    columns = max(2, len(shown))
-    figure, _ = subplots(width=max(10.0, 0.8 * width * columns), height=4.2 + 0.8 * height)
+    windows = _windows(
+        [section.window([own.deformed(-1)], 0.15, own.result.seal) for own in fine.values()]
+    )
+    sizes = [section.panel_size(*window) for window in windows]
+    width, height = (0.8 * max(own) for own in zip(*sizes, strict=True))
+    groups, colors = _by_unit(results), _colors(results)
+    columns, height = len(shown), max(height + 0.6, LEAST_HEIGHT)
+    across = max(5.0 * (len(groups) + 1), (width + 0.5) * columns + section.BAR_WIDTH)
+    figure, _ = subplots(width=across, height=4.2 + height)
     figure.clear()
-    grid = figure.add_gridspec(2, 2 * columns, height_ratios=(4.0, max(0.8 * height, 2.5)))
-    curves = figure.add_subplot(grid[0, :columns])
-    draw_forces(curves, results)
-    curves.legend(loc="best")
-    pressures = figure.add_subplot(grid[0, columns:])
-    draw_pressures(pressures, results)
-    panels = []
-    for number, (name, result) in enumerate(shown.items()):
-        axes = figure.add_subplot(grid[1, 2 * number : 2 * number + 2])
+    upper, lower = figure.add_gridspec(2, 1, height_ratios=(4.2, height))
+    *forces, pressures = upper.subgridspec(1, len(groups) + 1).subplots()
+    for axes, group in zip(forces, groups, strict=True):
+        draw_forces(axes, group, colors)
+        axes.legend(loc="best")
+    draw_pressures(pressures, results, colors)
+    panels = lower.subgridspec(1, columns).subplots(squeeze=False)[0]
+    for axes, (name, result), window in zip(panels, shown.items(), windows, strict=True):
         last = len(result.path.nominal_steps) - 1
         (contours,) = section.draw_stress(axes, fine[name], last, [scale])
-        section.frame(axes, low, high, result.seal)
-        axes.set_title(name, color=CYCLE[number % len(CYCLE)])
-        panels.append(axes)
-    bar = figure.colorbar(contours, ax=panels, shrink=0.8, pad=0.02)
+        section.frame(axes, *window, result.seal)
+        axes.set_title(name, color=colors[name])
+    bar = figure.colorbar(contours, ax=list(panels), shrink=0.9, pad=0.02)
     bar.set_label(section.stress_label(bar))
     return figure
+
+
+def _windows(windows) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Extend windows to one size around their middles, unless the largest is more than ``SAME_SCALE``
+    times as large as the smallest."""
+    sizes = np.array([high - low for low, high in windows])
+    if np.ptp(np.log(sizes.max(axis=1))) > np.log(SAME_SCALE):
+        return windows
+    half = 0.5 * sizes.max(axis=0)
+    middles = [0.5 * (low + high) for low, high in windows]
+    return [(middle - half, middle + half) for middle in middles]

@@ -1,5 +1,6 @@
 """Pictures of rings: the mirror image near the axis, the view in space, forces per circumference."""
 
+import itertools
 from collections import Counter
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 from matplotlib.collections import PolyCollection
+from pressed_block import pressed_block
 from ring_files import cylinder, ring
 
 import seal_mdao as sm
@@ -15,7 +17,10 @@ from seal_mdao.cli.force_table import force_lines
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.plotting import ring_figure as view
 from seal_mdao.plotting import section_drawing as section
+from seal_mdao.plotting import several_seals
+from seal_mdao.plotting.captions import captioned
 from seal_mdao.plotting.several_seals import load_deflection_of
+from seal_mdao.plotting.style import add_caption
 from seal_mdao.report.html_tables import measures
 from seal_mdao.report.page import ShownSeal, key_figures
 from seal_mdao.report.picture_data import Pictures
@@ -263,3 +268,52 @@ def test_report_has_the_view_of_rings_alone(wide, nominal):
 
     assert 'alt="Deformed ring: bump"' in ring_section(0, ShownSeal(Recorded, [wide, wide]))
     assert ring_section(0, ShownSeal(Recorded, [nominal])) == ""
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """The picture of a strip of 6 x 2 mm and a ring, with its caption; drawn."""
+    strip = sm.analyze(pressed_block())
+    text = ring(inner=20.0, translate=(0.0, -0.5))
+    results = {"strip": strip, "ring": analyzed(tmp_path_factory.mktemp("large"), text)}
+    with captioned({"strip": "rubber", "ring": "rubber"}):
+        figure = plotting.seals_compared(results)
+        add_caption(figure)
+    figure.canvas.draw()
+    return figure
+
+
+def test_forces_per_length_and_of_rings_are_compared_in_two_panels(compared):
+    strip, ring, pressure, *_ = compared.axes
+    assert strip.get_ylabel() == "force on roll against its travel (N/m)"
+    # a longer label has two lines
+    assert ring.get_ylabel() == "axial force on plate\nagainst its travel (N)"
+    assert [len(axes.lines) for axes in (strip, ring, pressure)] == [2, 2, 2]
+    colors = [axes.lines[-1].get_color() for axes in (strip, ring)]
+    assert colors == [line.get_color() for line in pressure.lines]
+    assert colors[0] != colors[1]
+
+
+def test_labels_of_a_comparison_are_complete_and_clear_of_each_other(compared):
+    texts = [axes.yaxis.label for axes in compared.axes] + compared.texts
+    boxes = [own.get_window_extent() for own in texts if own.get_text()]
+    inside = compared.bbox.padded(1.0)
+    assert all(inside.fully_contains(*box.min) and inside.contains(*box.max) for box in boxes)
+    pairs = itertools.combinations(boxes, 2)
+    assert not any(one.overlaps(other) for one, other in pairs)
+
+
+def test_compared_sections_have_windows_of_one_size_around_each(compared):
+    *_, strip, ring, _ = compared.axes
+    (left, right), (low, high) = strip.get_xlim(), ring.get_xlim()
+    assert [strip.get_title(), ring.get_title()] == ["strip", "ring"]
+    assert right - left == pytest.approx(high - low)
+    # the ring lies between radii of 20 and 22 mm
+    assert low > 15.0
+    assert high < 27.0
+
+
+def test_compared_sections_of_very_different_sizes_have_their_own_scales():
+    small, large = np.array([[0.0, 0.0], [3.0, 2.0]]), np.array([[-50.0, 0.0], [50.0, 30.0]])
+    found = several_seals._windows([small, large])
+    np.testing.assert_array_equal(found, [small, large])
