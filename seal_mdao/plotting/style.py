@@ -7,6 +7,7 @@ import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from PIL import Image
 
 from seal_mdao.plotting.captions import caption
@@ -58,6 +59,27 @@ class ShownFigure(Figure):
         return png(self, 100)
 
 
+class SectionLayout(ConstrainedLayoutEngine):
+    """Constrained layout that is exact for axes of equal aspect in one run.
+
+    The layout takes the margin of axes as the distance of their labels from the space that they could
+    fill. Where the aspect leaves a part of it empty this margin is too small, and the next run, in which
+    they are larger, would correct it; until then labels lie on titles and legends of the figure.
+    """
+
+    def execute(self, fig):
+        """Reserve space for axes that fill it; their aspect makes them smaller when they are drawn."""
+        aspects = {axes: axes.get_aspect() for axes in fig.axes}
+        fixed = {axes: aspect for axes, aspect in aspects.items() if aspect != "auto"}
+        for axes in fixed:
+            axes.set_aspect("auto")
+        try:
+            return super().execute(fig)
+        finally:
+            for axes, aspect in fixed.items():
+                axes.set_aspect(aspect)
+
+
 def signed(value: float, digits: int = 1) -> str:
     """Format a number with a typographic minus sign, zero without a sign."""
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "\u2212")
@@ -87,7 +109,7 @@ def subplots(rows: int = 1, columns: int = 1, *, width: float, height: float, **
     axes : Axes or ndarray of Axes
     """
     # not by pyplot, which would keep every figure open and needs a display for some backends
-    figure = ShownFigure(figsize=(width, height), layout="constrained")
+    figure = ShownFigure(figsize=(width, height), layout=SectionLayout())
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **options)
 

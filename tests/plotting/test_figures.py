@@ -63,6 +63,29 @@ def test_figures_of_a_path_that_stopped_say_where(nominal):
         assert figure(nominal).get_suptitle() == ""
 
 
+@pytest.mark.parametrize("tall", [8.0, 14.0, 30.0])
+def test_titles_and_legend_of_panels_of_equal_aspect_are_clear_of_their_labels(tall):
+    """After one run of the layout, whether width or height limits the size of the panels."""
+    figure, panels = style.subplots(1, 3, width=9.9, height=5.85, sharex=True, sharey=True)
+    for axes in panels:
+        axes.plot([0.0, 1.0], [0.0, 1.0], "o", label="in contact")
+        section.frame(axes, (-4.0, -1.0), (4.0, tall - 1.0))
+        axes.set_title("stage 1")
+    title = figure.suptitle("path stopped at stage 2")
+    (handle,), (text,) = panels[0].get_legend_handles_labels()
+    legend = figure.legend([handle], [text], loc="outside lower center")
+    figure.canvas.draw()
+    for axes in panels:
+        assert axes.get_aspect() == 1.0
+        shape = axes.get_window_extent()
+        assert shape.height / shape.width == pytest.approx(tall / 8.0)
+        assert not axes.title.get_window_extent().overlaps(title.get_window_extent())
+        assert not axes.xaxis.label.get_window_extent().overlaps(legend.get_window_extent())
+    before = [axes.get_position().bounds for axes in panels]
+    figure.canvas.draw()
+    np.testing.assert_allclose(before, [axes.get_position().bounds for axes in panels], atol=2e-3)
+
+
 def test_deformed_shapes_share_one_scale_and_equal_aspect(nominal):
     figure = plotting.deformed_shapes(nominal, nominal.steps_at([5.0, 10.0]))
     panels = [axes for axes in figure.axes if axes.get_title()]
