@@ -43,7 +43,8 @@ SAMPLES = "samples.sqlite"
 CTRL_C = 130
 """Exit status after Ctrl-C: 128 + SIGINT, as shells report it."""
 NAME_OF_FILE = "NAME_OF_FILE"
-"""Last part of a default output folder that stands for the name of the seal file."""
+"""Part of the name of a default output folder that stands for the name of the seal file; without a file
+it is left out."""
 
 
 class WrongArgumentError(Exception):
@@ -244,9 +245,15 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     # a restart writes beside its recorder file unless --out is given
     if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
-    if "out" not in arguments.given and arguments.out.name == NAME_OF_FILE:
+    elif "out" not in arguments.given and NAME_OF_FILE in arguments.out.name:
         # a folder for every seal file, so that none overwrites the results of another one
-        arguments.out = arguments.out.with_name(arguments.file.stem)
+        name = arguments.out.name
+        own = (
+            name.removeprefix(f"{NAME_OF_FILE}_")
+            if arguments.file is None
+            else name.replace(NAME_OF_FILE, arguments.file.stem)
+        )
+        arguments.out = arguments.out.with_name(own)
     # fail on an unwritable folder before any analysis
     _require_folder(made, arguments.out)
     before = _files(arguments.out)

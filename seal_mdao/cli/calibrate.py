@@ -9,6 +9,7 @@ from tqdm import tqdm
 from seal_mdao import plotting
 from seal_mdao.calibration.measurement_files import MaterialDataError, read_rows
 from seal_mdao.cli.arguments import (
+    NAME_OF_FILE,
     WrongArgumentError,
     announce,
     checked_arguments,
@@ -205,7 +206,7 @@ def report(found: ForceCalibration, units: dict, out: Path) -> None:
 
 def arguments_parser():
     made = parser(
-        __doc__, "out/calibration", "FILE CSV --find NAME ...",
+        __doc__, f"out/{NAME_OF_FILE}_calibration", "FILE CSV --find NAME ...",
         "seal-mdao calibrate seal.toml force.csv --find c10 friction",
     )  # fmt: skip
     made.add_argument(

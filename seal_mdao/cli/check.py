@@ -13,7 +13,7 @@ from pathlib import Path
 
 from seal_mdao import plotting
 from seal_mdao.analysis.cost import duration
-from seal_mdao.cli.arguments import checked_arguments, parser, write_summary
+from seal_mdao.cli.arguments import NAME_OF_FILE, checked_arguments, parser, write_summary
 from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.seal_files import file_of, filled
 from seal_mdao.progress import Waiting
@@ -131,6 +131,6 @@ def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/check", "FILE", "seal-mdao check bulb.toml")
+    made = parser(__doc__, f"out/{NAME_OF_FILE}_check", "FILE", "seal-mdao check bulb.toml")
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     return made

@@ -9,6 +9,7 @@ from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
     CTRL_C,
+    NAME_OF_FILE,
     WrongArgumentError,
     checked_arguments,
     largest_penalty_error,
@@ -255,7 +256,9 @@ def report_anew(ends: dict, anew: dict | None) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/seal_optimization", "FILE", "seal-mdao optimize bulb.toml")
+    made = parser(
+        __doc__, f"out/{NAME_OF_FILE}_optimization", "FILE", "seal-mdao optimize bulb.toml"
+    )
     made.add_argument(
         "file", type=Path, metavar="FILE", help="seal file (TOML) with [[design]] and [optimize]"
     )

@@ -11,7 +11,13 @@ import tomllib
 from pathlib import Path
 
 from seal_mdao import plotting
-from seal_mdao.cli.arguments import WrongArgumentError, parser, percentage, write_summary
+from seal_mdao.cli.arguments import (
+    NAME_OF_FILE,
+    WrongArgumentError,
+    parser,
+    percentage,
+    write_summary,
+)
 from seal_mdao.cli.error_table import error_summary, print_errors
 from seal_mdao.cli.seal_files import file_errors, file_of, filling_lines, seal_of
 from seal_mdao.input_files import read_text
@@ -147,7 +153,9 @@ def _require_keys(text: str, file: SealFile, tolerances: dict) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/refined", "FILE", "seal-mdao refine bulb.toml --to 1")
+    made = parser(
+        __doc__, f"out/{NAME_OF_FILE}_refined", "FILE", "seal-mdao refine bulb.toml --to 1"
+    )
     made.add_argument(
         "file", type=Path, metavar="FILE",
         help="seal file (TOML) with spacing or accuracy in [section]",

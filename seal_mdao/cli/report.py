@@ -20,7 +20,7 @@ def main(arguments) -> int:
 
 def arguments_parser():
     made = parser(
-        __doc__, ".", "CASES.sql", "seal-mdao report out/seal_optimization/cases.sql --show"
+        __doc__, ".", "CASES.sql", "seal-mdao report out/bulb_optimization/cases.sql --show"
     )
     made.add_argument("cases", type=existing_file, metavar="CASES.sql", help="recorder file")
     made.add_argument("--show", action="store_true", help="open the report in a browser")

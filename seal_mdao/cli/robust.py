@@ -8,6 +8,7 @@ import numpy as np
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
+    NAME_OF_FILE,
     add_seal_arguments,
     announce,
     checked_arguments,
@@ -180,7 +181,7 @@ def settings_of(arguments) -> dict:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/robust", "[FILE]", "seal-mdao robust bulb.toml")
+    made = parser(__doc__, f"out/{NAME_OF_FILE}_robust", "[FILE]", "seal-mdao robust bulb.toml")
     # defaults of the goal
     goal = RobustGoal()
     add = made.add_argument

@@ -7,6 +7,7 @@ import numpy as np
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.cli.arguments import (
+    NAME_OF_FILE,
     SAMPLES,
     add_seal_arguments,
     announce,
@@ -220,7 +221,12 @@ def report_failures(summary: dict) -> None:
 
 
 def arguments_parser():
-    made = parser(__doc__, "out/tolerances", "[FILE]", "seal-mdao study bulb.toml --samples 1000")
+    made = parser(
+        __doc__,
+        f"out/{NAME_OF_FILE}_tolerances",
+        "[FILE]",
+        "seal-mdao study bulb.toml --samples 1000",
+    )
     add_tolerance_arguments(made)
     # design of experiments
     made.add_argument("--method", choices=METHODS, default=METHODS[0], help="method of sampling")

@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.cli.arguments import announce, parser, write_summary
+from seal_mdao.cli.arguments import NAME_OF_FILE, announce, parser, write_summary
 from seal_mdao.cli.seal_files import file_errors, file_of
 from seal_mdao.cli.varied import Varied, varied
 from seal_mdao.export.csv_tables import write_sweep_curves
@@ -210,7 +210,7 @@ class _Vary(argparse.Action):
 
 def arguments_parser():
     made = parser(
-        __doc__, "out/sweep", "FILE --vary NAME VALUES",
+        __doc__, f"out/{NAME_OF_FILE}_sweep", "FILE --vary NAME VALUES",
         "seal-mdao sweep bulb.toml --vary friction 0.1:0.5:5",
     )  # fmt: skip
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")

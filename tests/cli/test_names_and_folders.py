@@ -40,7 +40,7 @@ def test_every_command_checks_the_parameters_of_tolerances(file, capsys):
 def test_a_sweep_varies_the_placement_of_a_profile(file):
     """A plate that lies 0.2 mm lower presses as one that travels 0.2 mm more."""
     main(["sweep", str(file), "--vary", "door_y=-0.2,0.0".replace("=", " ").split()[0], "-0.2,0.0"])
-    rows = json.loads(Path("out/sweep/summary.json").read_text())["values"]
+    rows = json.loads(Path("out/mine_sweep/summary.json").read_text())["values"]
     low, nominal = (row["door_Fy_N_per_m"] for row in rows)
     seal = sm.build_seal(file)
     assert nominal == pytest.approx(sm.analyze(seal).path.reaction("door")[-1, 1], rel=1e-12)
@@ -53,6 +53,36 @@ def test_an_analysis_writes_to_a_folder_of_its_file(file):
     assert main(["analyze", str(file), "--no-vtu", "--quiet"]) in (0, 1)
     assert Path("out/mine/summary.json").is_file()
     assert not Path("out/seal").exists()
+
+
+@pytest.mark.parametrize(
+    ("given", "folder"),
+    [
+        (["optimize", "mine.toml"], "mine_optimization"),
+        (["study", "mine.toml"], "mine_tolerances"),
+        (["study"], "tolerances"),
+        (["robust", "mine.toml"], "mine_robust"),
+        (["robust"], "robust"),
+        (["refine", "mine.toml", "--to", "5"], "mine_refined"),
+        (["sweep", "mine.toml", "--vary", "friction", "0.1,0.2"], "mine_sweep"),
+        (["check", "mine.toml"], "mine_check"),
+        (["calibrate", "mine.toml", "force.csv", "--find", "c10"], "mine_calibration"),
+        (["optimize", "mine.toml", "--out", "best"], None),
+    ],
+)
+def test_every_command_has_a_folder_for_each_file(file, monkeypatch, given, folder):
+    """So that a second seal neither is refused nor overwrites the results of the first one."""
+    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda main, arguments: 0)
+    assert main(given) == 0
+    assert [own.name for own in Path("out").glob("*")] == ([folder] if folder else [])
+
+
+def test_a_restart_writes_beside_its_recorder_file(file, monkeypatch):
+    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda main, arguments: 0)
+    Path("before").mkdir()
+    Path("before/cases.sql").touch()
+    assert main(["optimize", "mine.toml", "--restart", "before/cases.sql"]) == 0
+    assert not Path("out").exists()
 
 
 @pytest.mark.parametrize("command", ["study", "robust"])
