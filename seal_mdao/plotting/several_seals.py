@@ -88,7 +88,8 @@ def draw_forces(axes, results, colors) -> None:
 def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
     """Compute the force on the leading profile against the travel of each stage over the path length.
 
-    Where the direction of the travel changes the curve has a jump: two points at one travel.
+    Where the travel turns to another line the curve has a jump: two points at one travel. If all travel
+    is along one line, forwards and backwards, the force is that against the first travel.
 
     Parameters
     ----------
@@ -125,7 +126,7 @@ def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np
 
 def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
     """Return the unit vectors (n, 2) against the travel of a motion in the n steps of a history, and
-    words for the force along them."""
+    words for the force along them; of a motion along one line all against the first travel."""
     count = len(history.force)
     if not motion.travel > 0.0:
         component = history.main_component
@@ -134,10 +135,16 @@ def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
     # the direction of a measure "reaction" with direction = "travel"
     travels = motion.travels[1 : count + 1]
     against = np.array([-travel_direction(motion, travel)[0] for travel in travels]).reshape(-1, 2)
+    words = f"force on {history.label} against its travel"
+    first = against[:1]
+    # |e_k . e_1| = 1: loading and unloading along one line is one curve, without a change of sign
+    if (np.abs(against @ first.T) > 1.0 - PARALLEL).all() and (against @ first.T < 0.0).any():
+        against = np.broadcast_to(first, against.shape)
+        words = f"force on {history.label} against its first travel"
     # where all travel is along an axis, the force has the name of the component
     along = np.flatnonzero((np.abs(against) > 1.0 - PARALLEL).all(axis=0))
     direction = f"{units.directions[along[0]]} " if count and along.size else ""
-    return against, f"{direction}force on {history.label} against its travel"
+    return against, f"{direction}{words}"
 
 
 def draw_pressures(axes, results, colors) -> None:

@@ -135,13 +135,22 @@ def test_force_against_an_inclined_travel(pressed):
     assert words == "vertical force on roll"
 
 
-def test_force_against_the_travel_of_loading_and_unloading(pressed):
-    """It has the name of its component, and its sign changes where the travel reverses."""
+def test_force_of_loading_and_unloading_is_against_the_first_travel(pressed):
+    """One curve without a change of sign, also after a dwell; its label says so."""
     history, units = profile_histories(pressed)[0], pressed.seal.units
-    steps = [Stage(5, (0.0, -0.6)), Stage(3, (0.0, 0.6))]
+    steps = [Stage(4, (0.0, -0.6)), Stage(1), Stage(3, (0.0, 0.6))]
     against, words = against_travel(staged_motion(steps, start=(0.0, 4.0)), history, units)
-    assert against.tolist() == [[0.0, 1.0]] * 5 + [[0.0, -1.0]] * 3
+    assert against.tolist() == [[0.0, 1.0]] * 8
+    assert words == "vertical force on roll against its first travel"
+    # loading alone
+    against, words = against_travel(staged_motion(steps[:2], start=(0.0, 4.0)), history, units)
     assert words == "vertical force on roll against its travel"
+    # a stage along another line: the direction of each stage
+    steps.append(Stage(2, (0.5, 0.0)))
+    longer = replace(history, force=np.ones((10, 2)))
+    against, words = against_travel(staged_motion(steps, start=(0.0, 4.0)), longer, units)
+    assert against.tolist() == [[0.0, 1.0]] * 5 + [[0.0, -1.0]] * 3 + [[-1.0, 0.0]] * 2
+    assert words == "force on roll against its travel"
 
 
 def test_the_mark_of_an_animation_is_on_its_curve(pressed, tmp_path, monkeypatch):
