@@ -17,6 +17,8 @@ def main(arguments) -> int:
     with checked_arguments():
         # an unknown ending or missing ffmpeg fails before the analysis
         check_format(path)
+    # as the folder of --out
+    path.parent.mkdir(parents=True, exist_ok=True)
     _, result, _ = analyzed(file_of(arguments.file))
     # nothing to animate without a converged load step
     if not len(result.path.nominal_steps):

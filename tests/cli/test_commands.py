@@ -566,7 +566,7 @@ def test_names_of_files_of_one_stem():
         names_of([Path("a/seal.toml"), Path("a/seal.toml")])
 
 
-@pytest.mark.parametrize("name", ["close.gif", "close.html"])
+@pytest.mark.parametrize("name", ["close.gif", "new/close.html"])
 def test_animation_has_a_frame_for_every_step(bulb, tmp_path, name):
     assert main(["animate", str(bulb), "-o", name, "--out", str(tmp_path)]) == 0
     path = tmp_path / name
