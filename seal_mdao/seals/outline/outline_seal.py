@@ -24,6 +24,7 @@ from seal_mdao.seals.outline.design import (
     named_in_errors,
 )
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
+from seal_mdao.seals.outline.notches import narrowest_notch
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
@@ -130,12 +131,28 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about an unusual size, material values far from those of rubber, and walls with
-        too few layers of particles; layers of ``rays`` are chosen by the user."""
+        """Warnings about an unusual size, material values far from those of rubber, walls with too few
+        layers of particles, and narrow notches; layers of ``rays`` are chosen by the user."""
         size = unusual_size(np.ptp(self.nominal_particles, axis=0))
         # with the changed parameters
         unusual = unusual_values(self._terms[0])
-        return (*super().warnings, *([size] if size else []), *unusual, *self._few_layers())
+        return (
+            *super().warnings, *([size] if size else []), *unusual, *self._few_layers(),
+            *self._narrow_notch(),
+        )  # fmt: skip
+
+    def _narrow_notch(self) -> tuple[str, ...]:
+        notch = narrowest_notch(self.boundaries, self.loops, self.body.support_radius)
+        if notch is None:
+            return ()
+        x, y = np.round(notch.place, 6) + 0.0
+        return (
+            f"the notch at x = {x:.3g}, y = {y:.3g} has an angle of {np.degrees(notch.angle):.0f} "
+            "degrees, and the particles of its two faces are connected up to about "
+            f"{notch.reach:.2g} mm from the vertex, so forces may be too large by 5 to 10 %, and "
+            "stresses there are wrong; use a smaller edge_spacing for the edges that meet there, and "
+            "compare two spacings",
+        )
 
     def _few_layers(self) -> tuple[str, ...]:
         if isinstance(self.spacing, Rays):
