@@ -7,6 +7,8 @@ from seal_mdao.seals.result import SealResult
 
 PARTS = {"particles": "particles", "load_steps": "load steps", "penalties": "penalties"}
 """Parts of an error, by their names in summary.json, with their words."""
+SMALLER = 1.1
+"""Reference value over the value above which a table names the reference value."""
 
 
 def print_errors(estimates: dict[str, ErrorEstimate], result: SealResult) -> None:
@@ -21,8 +23,9 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
     Returns
     -------
     list of str
-        A heading, a row for every value, a line for bars that are longer than their parts, and a line
-        for every reason why measures have no estimate.
+        A heading, a row for every value, a line for bars that are longer than their parts, one for
+        percentages that are not those of the value, and a line for every reason why measures have no
+        estimate.
     """
     rows = [("measure", "value", "+-", "unit", "in %", *PARTS.values())]
     missing: dict[str, list] = {}
@@ -55,6 +58,16 @@ def error_lines(estimates: dict[str, ErrorEstimate], result: SealResult) -> list
         lines.append(
             f"the error due to the particles oscillates along the path; +- of {', '.join(wider)} "
             "contains its root mean square"
+        )
+    others = [
+        f"{name} to {found.scale:.4g} {_unit(name, result)}".rstrip()
+        for name, found in estimates.items()
+        if found.bar is not None and found.scale > SMALLER * np.abs(found.value).max(initial=0.0)
+    ]
+    if others:
+        lines.append(
+            f"in %: relative to the value, but of {', '.join(others)} (the force, or the largest "
+            "value along the path)"
         )
     reasons = [f"not estimated (?) for {', '.join(own)}: {why}" for why, own in missing.items()]
     return ["estimated errors (computed minus exact value):", *lines, *reasons]

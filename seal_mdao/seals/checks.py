@@ -16,7 +16,7 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.rkpm.cells import in_both_directions
-from seal_mdao.seals.contact_loss import contact_losses
+from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import (
@@ -138,8 +138,9 @@ def _stability(samples: EvaluationPoints):
 
 
 def _contact_loss(samples: EvaluationPoints):
-    """Report profiles that the seal has slipped off before the end of a closing stage."""
-    for text in contact_losses(samples.path):
+    """Report profiles that the seal has slipped off before the end of a closing stage, and those that it
+    never touches."""
+    for text in (*contact_losses(samples.path), *untouched_profiles(samples.path)):
         yield Finding(text, False)
 
 

@@ -1,4 +1,5 @@
-"""Contact with a rigid profile that is lost before the end of a closing stage of its motion."""
+"""Contact with a rigid profile that is lost before the end of a closing stage of its motion, or never
+begins."""
 
 from collections.abc import Iterator
 
@@ -28,6 +29,25 @@ def contact_losses(path: PathResult) -> Iterator[str]:
                 last = during[touching[during]][-1]
                 yield _sentence(term.label, motion, stage, fractions[last : last + 2])
             begin = end
+
+
+def untouched_profiles(path: PathResult) -> Iterator[str]:
+    """Yield a sentence for every moving profile that touches the seal at no load step, and for those
+    that stand still if none touches it."""
+    contacts = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
+    apart = [t for t in contacts if not any(own.branch.any() for own in path.responses(t.label))]
+    for term in apart:
+        if term.motion.moves or len(apart) == len(contacts):
+            # least gap of a contact point over the load steps
+            gaps = [own.gap.min() for own in path.responses(term.label)]
+            nearest = float(min(gaps))
+            moves = "approaches the seal" if gaps[-1] < gaps[0] else "moves away from the seal"
+            how = f"its motion (stage) {moves}" if term.motion.moves else "it does not move"
+            yield (
+                f"the profile {term.label!r} touches the seal at no load step, and comes no nearer than "
+                f"{nearest:.3g} mm: {how}; change translate or start of the profile, or its contact "
+                "edges"
+            )
 
 
 def closes(motion: Motion, stage: int) -> bool:

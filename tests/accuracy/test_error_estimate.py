@@ -308,6 +308,20 @@ def test_parts_that_are_not_estimated_are_marked_and_their_reason_is_given_once(
     assert sum("walls touch" in line for line in lines) == 1
 
 
+def test_percentages_of_a_component_name_what_they_are_relative_to():
+    """A component of 10 N/m of a force of 200 N/m; those of the other one are relative to the value."""
+    none = np.array([1.0])
+    estimates = {
+        name: ErrorEstimate(np.array([10.0]), none, none, none, scale)
+        for name, scale in (("drag", 200.0), ("width", 10.5))
+    }
+    seal = SimpleNamespace(standard=(), units=SimpleNamespace(force="N/m"))
+    lines = error_lines(estimates, SimpleNamespace(seal=seal))
+    (line,) = [own for own in lines if own.startswith("in %")]
+    assert "of drag to 200 N/m (" in line
+    assert "width" not in line
+
+
 def test_stored_figures_of_the_page():
     """The page shows what is estimated today, to the three digits that are stored."""
     root = Path(__file__).parents[2]

@@ -82,6 +82,9 @@ BAD = {
     "no end of a list": ("[4.0, 0.0]]", "[4.0, 0.0]", "not valid TOML:"),
     "a key twice": ("c10 = 80.0", "c10 = 80.0\nc10 = 8.0", "not valid TOML: Cannot overwrite"),
     "comma": ("c10 = 80.0", "c10 = 80,0", "not valid TOML:"),
+    "single brackets": ("[[measure]]", '[measure]\ntype = "section_area"\n[measure]',
+                        "not valid TOML: Cannot declare ('measure',) twice (at line 39, column 9); a "
+                        "table that may be repeated has two pairs of brackets, as in [[measure]]"),
     # tables
     "no material": (*without(MATERIAL), "[material.NAME] is missing"),
     "no section": (*without(SECTION), "[section] is missing"),

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from two_profiles import two_profiles
 
 import seal_mdao as sm
@@ -18,8 +19,8 @@ def lost(result):
     return tuple(text for text in result.warnings if "loses contact" in text)
 
 
-def lip(tmp_path, stages, start=START):
-    """Warnings of contact that is lost by the lip with a rod on another path, and its last forces."""
+def analyzed(tmp_path, stages, start=START):
+    """Analyse the lip with a rod on another path."""
     text = LIP.read_text(encoding="utf-8").replace("friction = 0.0\n", "friction = 0.3\n")
     assert ONE_STAGE in text
     assert START in text
@@ -27,6 +28,12 @@ def lip(tmp_path, stages, start=START):
     path.write_text(text.replace(ONE_STAGE, stages).replace(START, start), encoding="utf-8")
     result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
     assert result.converged, result.failure
+    return result
+
+
+def lip(tmp_path, stages, start=START):
+    """Warnings of contact that is lost by the lip with a rod on another path, and its last forces."""
+    result = analyzed(tmp_path, stages, start)
     return lost(result), result.path.reaction("rod")[-1]
 
 
@@ -64,6 +71,62 @@ def test_a_rod_that_never_comes_near_is_not(tmp_path):
     warnings, force = lip(tmp_path, stage([1.0, 0.0], 4), "start = [-6.0, 9.6]")
     assert not force.any()
     assert warnings == ()
+
+
+@pytest.mark.parametrize(("travel", "how"), [(1.0, "approaches"), (-1.0, "moves away from")])
+def test_a_profile_that_never_touches_is_reported(tmp_path, travel, how):
+    result = analyzed(tmp_path, stage([travel, 0.0], 4), "start = [-6.0, 9.6]")
+    (text,) = [own for own in result.warnings if "at no load step" in own]
+    gap = min(own.gap.min() for own in result.path.responses("rod"))
+    assert f"'rod' touches the seal at no load step, and comes no nearer than {gap:.3g} mm" in text
+    assert f"its motion (stage) {how} the seal" in text
+
+
+def test_a_profile_that_has_touched_is_not_reported(tmp_path):
+    result = analyzed(tmp_path, stage([3.0, 0.0], 24) + stage([-3.0, 0.0], 24))
+    assert not [own for own in result.warnings if "at no load step" in own]
+
+
+BLOCK = """
+[material.rubber]
+shore_a = 60
+[section]
+spacing = 1.2
+outer = [
+  {{ edge = "base", line = [[0, 0], [6, 0]] }},
+  {{ edge = "right", line = [[6, 0], [6, 3]] }},
+  {{ edge = "top", line = [[6, 3], [0, 3]] }},
+  {{ edge = "left", line = [[0, 3], [0, 0]] }},
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "plate"
+friction = 0.3
+contact = ["top"]
+line = [[-30, 0], [30, 0]]
+start = [3, 3]
+normal_penalty = 1e5
+tangent_penalty = 1e4
+stage = [{{ translate = [0, {travel}], steps = 2 }}]
+[[profile]]
+name = "stop"
+friction = 0.3
+contact = ["right"]
+line = [[0, 30], [0, -30]]
+start = [9, 0]
+normal_penalty = 1e5
+tangent_penalty = 1e4
+"""
+
+
+@pytest.mark.parametrize(("travel", "reported"), [(-0.3, set()), (0.3, {"plate", "stop"})])
+def test_a_profile_at_rest_is_reported_where_none_touches(tmp_path, travel, reported):
+    (tmp_path / "block.toml").write_text(BLOCK.format(travel=travel))
+    result = sm.analyze(sm.build_seal(tmp_path / "block.toml"))
+    lines = [own for own in result.warnings if "at no load step" in own]
+    assert {own.split("'")[1] for own in lines} == reported
+    assert all(("does not move" in own) == ("'stop'" in own) for own in lines)
 
 
 def test_profiles_that_come_turn_and_go():

@@ -1,5 +1,6 @@
 """Read a seal file (TOML): check every table, then all tables against each other."""
 
+import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -85,9 +86,12 @@ def _parsed(path) -> dict:
     try:
         found = tomllib.loads(content)
     except (ValueError, RecursionError) as error:
-        raise SealFileError(
-            f"the seal file is not valid TOML: {' '.join(str(error).split())}"
-        ) from None
+        text = " ".join(str(error).split())
+        twice = re.match(r"Cannot declare \('(\w+)',\) twice", text)
+        if twice:
+            name = twice[1]
+            text += f"; a table that may be repeated has two pairs of brackets, as in [[{name}]]"
+        raise SealFileError(f"the seal file is not valid TOML: {text}") from None
     if not found:
         raise SealFileError(
             f"the seal file is empty; it needs at least {_written((*NEEDED, MOVING[0]))}"
