@@ -8,6 +8,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.file_seal import build_seal
 from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.file.clearance import cleared, nearest_at_start
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = BULB
@@ -215,6 +216,27 @@ def test_contact_points_of_a_body_between_plates(tmp_path):
         assert [own.contact_points for own in file.profiles] == ["particles"] * 2
 
 
+@pytest.mark.parametrize("off", [3e-6, -3e-6])
+def test_coordinates_with_six_digits_touch(tmp_path, off):
+    """A block that only two plates hold, of which one starts 3e-6 mm away or inside: it is moved."""
+    plane = '[[symmetry]]\nedges = ["left"]\nnormal = "x"\n'
+    text = rectangle(12.0, 6.0, 4).replace('[fixed]\nedges = ["base"]\n', plane)
+    lower = '[[profile]]\nname = "bottom"\nfriction = 0.2\ncontact = ["base"]\n'
+    lower += f"line = [[60.0, 0.0], [-60.0, 0.0]]\nstart = [0.0, {-off}]\n"
+    file = read(tmp_path, text + lower)
+    assert [own.contact_points for own in file.profiles] == ["averages"] * 2
+    # moved to where it touches, twice the rounding of 1e-9 away
+    outline = file.section.outline
+    gap = nearest_at_start(cleared(file.profiles[1], outline), outline).gap
+    assert gap == pytest.approx(2e-9 * outline.size, rel=1e-3)
+    assert sm.analyze(build_seal(file)).converged
+    apart = lower.replace(f"[0.0, {-off}]", "[0.0, -2e-5]")
+    with pytest.raises(
+        sm.SealFileError, match="none touches it at the start: the nearest one is 2e-05"
+    ):
+        read(tmp_path, text.replace("start = [0.0, 6.0]", "start = [0.0, 6.00002]") + apart)
+
+
 @pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])
 def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
     seal = build_seal(read(tmp_path, rectangle(20.0 * scale, 6.0 * scale, 5)))
@@ -347,14 +369,14 @@ def test_the_largest_stress_lies_inside_and_is_seen(tmp_path):
     assert np.abs(one - other).max() <= 1e-10 * np.abs(one).max()
 
 
-@pytest.mark.parametrize(("start", "clear"), [(6.0, True), (6.0 - 2e-6, False), (6.1, True)])
+@pytest.mark.parametrize(("start", "clear"), [(6.0, True), (6.0 - 2e-5, False), (6.1, True)])
 def test_the_least_gap_is_found_between_the_points_that_are_looked_at(tmp_path, start, clear):
     text = RING.replace("start = [0.0, 6.0]", f"start = [0.0, {start!r}]")
     if clear:
         assert read(tmp_path, text).profiles[0].start == (0.0, start)
     else:
         with pytest.raises(
-            sm.SealFileError, match=r"'(right|left)' 2e-06 mm inside the rigid body"
+            sm.SealFileError, match=r"'(right|left)' 2e-05 mm inside the rigid body"
         ):
             read(tmp_path, text)
 

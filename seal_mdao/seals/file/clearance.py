@@ -14,6 +14,9 @@ from seal_mdao.seals.outline.segments import pair
 
 ROUNDING = 1e-9
 """Penetration at the start that is rounding, over the size of the section."""
+TYPED = 1e-6
+"""Distance from the section at the start, over its size, that is rounding of the coordinates in a file:
+the profile is meant to touch."""
 LOOK = 1e-4
 """Sagitta of the chords at whose ends gaps are evaluated, over the size of the section."""
 
@@ -90,20 +93,18 @@ def check_start(where: str, profile, outline) -> float:
     """
     # g < 0: the section begins inside the rigid body
     least, place, edge = nearest_at_start(profile, outline)
-    if least < -ROUNDING * outline.size:
+    if least < -TYPED * outline.size:
         gap, sagitta = gap_at_start(profile), LOOK * outline.size
         # points along all edges that may touch
         every = [s.points(s.chords(sagitta)) for s in _segments(profile, outline)]
         # all of the section on the wrong side: the curve has the wrong direction
         inside = all(gap(*x) < 0.0 for x in np.concatenate(every))
         turned = "; is its direction reversed?" if inside else ""
-        # a start along the normal there, where that clears all edges
-        clear = _moved_off(profile, place, -1.001 * least, outline.size)
-        such = not inside and nearest_at_start(clear, outline).gap >= 0.0
+        touching = None if inside else _touching_start(profile, place, least, outline)
         raise SealFileError(
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
             f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away"
-            + f", such as start = {(np.round(clear.start, 6) + 0.0).tolist()}" * such
+            + ("" if touching is None else f", such as start = {touching}, where it touches")
             + " or remove that edge from the list contact" * (len(profile.contact) > 1)
             + f" (the rigid body lies on the left of the curve's direction{turned})"
         )
@@ -117,7 +118,22 @@ def cleared(profile, outline):
     """
     clear = ROUNDING * outline.size
     least, place, _ = nearest_at_start(profile, outline)
-    return profile if least > clear else _moved_off(profile, place, 2.0 * clear, outline.size)
+    if least > TYPED * outline.size:
+        return profile
+    typed = 0.0 if abs(least) <= clear else least
+    return _moved_off(profile, place, 2.0 * clear - typed, outline.size)
+
+
+def _touching_start(profile, place, least: float, outline) -> list | None:
+    """Find a start, with few digits, at which a profile touches that begins ``-least`` mm inside at a
+    point; None if it is then inside at another one."""
+    exact = _moved_off(profile, place, -least, outline.size).start
+    for digits in range(3, 10):
+        start = np.round(exact, digits) + 0.0
+        moved = replace(profile, start=tuple(start.tolist()))
+        if abs(nearest_at_start(moved, outline).gap) <= TYPED * outline.size:
+            return start.tolist()
+    return None
 
 
 def _moved_off(profile, place, distance: float, size: float):
@@ -134,7 +150,7 @@ def rests_along_a_segment(profile, outline) -> bool:
     gap, s = gap_at_start(profile), np.linspace(0.0, 1.0, 5)
     segments = [own for contour in outline.contours for own in contour.segments]
     return any(
-        max(abs(gap(*x)) for x in own.points(s)) <= ROUNDING * outline.size
+        max(abs(gap(*x)) for x in own.points(s)) <= TYPED * outline.size
         for own in segments
         if own.edge in profile.contact
     )

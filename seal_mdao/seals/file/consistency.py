@@ -8,7 +8,7 @@ import numpy as np
 
 from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.clearance import LOOK, ROUNDING, check_start
+from seal_mdao.seals.file.clearance import LOOK, ROUNDING, TYPED, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
 from seal_mdao.seals.file.environment_table import check_environment
 from seal_mdao.seals.file.model_table import AXIAL, check_axisymmetric
@@ -24,9 +24,6 @@ from seal_mdao.seals.file.viscoelastic_table import relaxes
 from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
-
-TOUCHING = 1e-9
-"""Gap of a profile that touches the section at the start, over its size."""
 
 
 def check(file) -> None:
@@ -460,7 +457,7 @@ def _check_bodies_held(file, gaps) -> None:
             for gap, profile in zip(gaps, file.profiles, strict=True)
             if names & set(profile.contact) and profile.contact_points != "edges"
         ]
-        if min(own, default=np.inf) <= TOUCHING * outline.size:
+        if min(own, default=np.inf) <= TYPED * outline.size:
             _check_opposed(names, file)
             continue
         # what is missing, which body, and how far the nearest profile is
