@@ -11,7 +11,12 @@ from pydantic import TypeAdapter
 from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.accuracy import with_tolerances
-from seal_mdao.seals.file.clearance import nearest_free_edges, rests_along_a_segment
+from seal_mdao.seals.file.clearance import (
+    TYPED,
+    nearest_at_start,
+    nearest_free_edges,
+    rests_along_a_segment,
+)
 from seal_mdao.seals.file.consistency import check, turning_work, unsupported_bodies
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
@@ -182,17 +187,16 @@ def _with_contact_points(file: SealFile) -> tuple:
     """Choose the contact points of profiles where the file leaves them open.
 
     The averages, which reproduce a uniform pressure; on rays those of their scheme. The particles where
-    something needs a particle at the contact: a fluid, a body in plane strain that only profiles hold
-    (unless each of them touches a segment of it at the start), the work of a profile that turns.
+    something needs a particle at the contact: a fluid, the work of a profile that turns, a body in plane
+    strain that only profiles hold (``_at_particles``).
     """
     bodies = () if file.axisymmetric else unsupported_bodies(file)
-    loose = [names for *_, names in bodies if not _is_clamped(file, names)]
-    unsupported = {name for names in loose for name in names}
+    holding = {name for *_, edges in bodies for name in _at_particles(file, edges)}
     spacing = file.section.spacing
     found = []
     for own in file.profiles:
         chosen = "averages"
-        if file.fluids or unsupported & set(own.contact) or turning_work(own, file.measures):
+        if file.fluids or own.name in holding or turning_work(own, file.measures):
             chosen = "particles"
         elif isinstance(spacing, Rays) and not file.axisymmetric:
             chosen = WALL_SCHEMES[spacing.accuracy].contact_points
@@ -200,9 +204,11 @@ def _with_contact_points(file: SealFile) -> tuple:
     return tuple(found)
 
 
-def _is_clamped(file: SealFile, names) -> bool:
-    """Whether all profiles of a body with these edges touch a segment of it at the start."""
-    touching = [own for own in file.profiles if names & set(own.contact)]
-    return not isinstance(file.section.spacing, Rays) and all(
-        rests_along_a_segment(own, file.section.outline) for own in touching
-    )
+def _at_particles(file: SealFile, edges: set) -> list[str]:
+    """List the profiles that hold a body with these edges at single particles: those that do not touch a
+    complete segment of it at the start; all of them if one does not touch."""
+    outline = file.section.outline
+    profiles = [own for own in file.profiles if edges & set(own.contact)]
+    gaps = [nearest_at_start(own, outline).gap for own in profiles]
+    every = isinstance(file.section.spacing, Rays) or max(gaps) > TYPED * outline.size
+    return [own.name for own in profiles if every or not rests_along_a_segment(own, outline)]
