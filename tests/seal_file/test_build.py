@@ -294,6 +294,20 @@ def test_sections_in_a_wrong_unit_of_length_are_reported(tmp_path, scale, word):
         assert "needs units in [section]" in text
 
 
+@pytest.mark.parametrize(("travel", "reported"), [(390.0, False), (1200.0, True)])
+def test_displacements_in_a_wrong_unit_of_length_are_reported(tmp_path, travel, reported):
+    """More than twenty times the width of 20 mm, in the second stage."""
+    text = rectangle(20.0, 6.0, 5)
+    moved = text.replace(
+        "steps = 20 }", f"steps = 20 }}, {{ translate = [{travel}, 0.0], steps = 9 }}"
+    )
+    assert moved != text
+    found = [own for own in unchosen_seal(read(tmp_path, moved)).warnings if "displaced by" in own]
+    assert len(found) == reported
+    if reported:
+        assert "'plate' is displaced by 1200 mm in stage 2, 60 times the size" in found[0]
+
+
 def test_gradients_against_central_differences(pressed):
     """The same points touch and slip at both ends. The step's square is 1e-8 of the value's, and
     Newton's tolerance over the step less."""

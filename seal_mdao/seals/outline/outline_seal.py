@@ -28,8 +28,9 @@ from seal_mdao.seals.outline.notches import narrowest_notch
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
-from seal_mdao.seals.outline.sizes import unusual_size
+from seal_mdao.seals.outline.sizes import unusual_size, unusual_stages
 from seal_mdao.seals.outline.unusual_values import unusual_values
+from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
@@ -131,13 +132,18 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about an unusual size, material values far from those of rubber, walls with too few
-        layers of particles, and narrow notches; layers of ``rays`` are chosen by the user."""
-        size = unusual_size(np.ptp(self.nominal_particles, axis=0))
+        """Warnings about an unusual size or displacement, material values far from those of rubber,
+        walls with too few layers of particles, and narrow notches; layers of ``rays`` are chosen by the
+        user."""
+        extent = np.ptp(self.nominal_particles, axis=0)
+        size = unusual_size(extent)
+        far = [
+            text for own in contacts(self) for text in unusual_stages(own.label, own.motion, extent)
+        ]
         # with the changed parameters
         unusual = unusual_values(self._terms[0])
         return (
-            *super().warnings, *([size] if size else []), *unusual, *self._few_layers(),
+            *super().warnings, *([size] if size else []), *far, *unusual, *self._few_layers(),
             *self._narrow_notch(),
         )  # fmt: skip
 

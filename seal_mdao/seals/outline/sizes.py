@@ -1,9 +1,11 @@
-"""Sizes of sections: a spacing to start with, and sizes that indicate a wrong unit of length."""
+"""Sizes of sections: a spacing to start with; sizes and travels that indicate a wrong unit of length."""
+
+import numpy as np
 
 USUAL = (0.5, 300.0)
 """Least and largest extent of the section of a seal, mm."""
-
-
+FAR = 20.0
+"""Usual largest displacement of a profile in a stage, over the larger extent of the section."""
 ACROSS = 12
 """Particles across the smaller extent of a section, of which a choice of the spacing starts."""
 
@@ -28,4 +30,16 @@ def unusual_size(extent) -> str:
         f"the section is {width:.4g} mm wide and {height:.4g} mm high, {compared} than usual "
         "seals; lengths in a seal file are in mm, and a drawing in other units needs units in "
         "[section]"
+    )
+
+
+def unusual_stages(label: str, motion, extent) -> tuple[str, ...]:
+    """Describe the stages of a ``Motion`` in which a profile is displaced farther than ``FAR`` times the
+    larger extent of the section, with a remedy; ``extent`` are its width and height, mm."""
+    lengths, size = np.hypot(*np.diff(motion.positions, axis=0).T), max(extent)
+    return tuple(
+        f"the profile {label!r} is displaced by {length:.4g} mm in stage {stage}, {length / size:.0f} "
+        f"times the size of the section; translate is in mm"
+        for stage, length in enumerate(lengths, 1)
+        if length > FAR * size
     )
