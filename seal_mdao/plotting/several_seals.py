@@ -226,7 +226,8 @@ def _windows(windows) -> list[tuple[np.ndarray, np.ndarray]]:
     """Extend windows to one size around their middles, unless the largest is more than ``SAME_SCALE``
     times as large as the smallest."""
     sizes = np.array([high - low for low, high in windows])
-    if np.ptp(np.log(sizes.max(axis=1))) > np.log(SAME_SCALE):
+    larger = sizes.max(axis=1)
+    if larger.max() > SAME_SCALE * larger.min():
         return windows
     half = 0.5 * sizes.max(axis=0)
     middles = [0.5 * (low + high) for low, high in windows]

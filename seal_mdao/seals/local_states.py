@@ -69,16 +69,16 @@ def meaningless_states(samples: EvaluationPoints):
     # NaN counts as the largest, but at the end of a fixed edge
     unknown = np.where(beside_fixed_ends(samples, places), 0.0, np.inf)
     worst = int(np.argmax(np.where(np.isnan(stress), unknown, stress)))
-    if not stress[worst] <= LARGEST_STRESS * shear:
+    if np.isnan(stress[worst]):
+        yield (
+            f"the von Mises stress cannot be computed {_where(places[worst])}, because the "
+            f"material is inverted there (det F < 0); {cure_at(samples, places[worst])}",
+            places[worst],
+        )
+    elif stress[worst] > LARGEST_STRESS * shear:
         # the twelve nearest samples, without the point itself
         near = np.median(stress[cKDTree(places).query(places[worst], k=13)[1][1:]])
-        if np.isnan(stress[worst]):
-            yield (
-                f"the von Mises stress cannot be computed {_where(places[worst])}, because the "
-                f"material is inverted there (det F < 0); {cure_at(samples, places[worst])}",
-                places[worst],
-            )
-        elif not stress[worst] <= ABOVE_NEIGHBOURS * near:
+        if not stress[worst] <= ABOVE_NEIGHBOURS * near:
             yield (
                 f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
                 f"times the shear modulus, {_where(places[worst])}, but only {near:.3g} kPa at "

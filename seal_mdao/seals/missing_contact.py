@@ -77,15 +77,17 @@ def buried_edges(path: PathResult, least: float) -> Iterator[Buried]:
 def same_profiles(path: PathResult, term: ContactTerm) -> list[ContactTerm]:
     """List the other contacts with a profile of the same curve and motion, for other edges: the gaps of
     all particles are the same after every load step."""
-    steps = path.nominal_steps
-    x = [path.discretization.particles + path.displacement(k) for k in range(len(steps))]
-    return [
-        own for own in path.problem.terms if isinstance(own, ContactTerm) and own is not term
-        and all(
-            np.allclose(own.gaps(at, step.fraction), term.gaps(at, step.fraction), rtol=0.0, atol=SAME)
-            for at, step in zip(x, steps, strict=True)
-        )
-    ]  # fmt: skip
+
+    def is_same(other):
+        for k, step in enumerate(path.nominal_steps):
+            x = path.discretization.particles + path.displacement(k)
+            one, two = term.gaps(x, step.fraction), other.gaps(x, step.fraction)
+            if not np.allclose(one, two, rtol=0.0, atol=SAME):
+                return False
+        return True
+
+    others = [own for own in path.problem.terms if isinstance(own, ContactTerm) and own is not term]
+    return [own for own in others if is_same(own)]
 
 
 def missing_contact(path: PathResult) -> str:

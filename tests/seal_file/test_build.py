@@ -261,6 +261,13 @@ line = [[30, 0], [-30, 0]]
 """
 
 
+def test_a_second_body_that_no_profile_may_touch_is_refused(tmp_path):
+    other = '  { body = 2, edge = "other", line = [[9, 0], [12, 0], [12, 2], [9, 2], [9, 0]] },\n'
+    two = DOME.replace("]\n[[profile]]", f"{other}]\n[[profile]]", 1)
+    with pytest.raises(sm.SealFileError, match=r"body 2 .edge 'other'.* no profile may touch it"):
+        read(tmp_path, two.replace('name = "lid"', 'name = "lid"\ncontact = ["dome"]'))
+
+
 @pytest.mark.parametrize("off", [3e-6, -3e-6])
 def test_coordinates_with_six_digits_touch(tmp_path, off):
     """A block that only two plates hold, of which one starts 3e-6 mm away or inside: it is moved."""

@@ -209,6 +209,7 @@ def _at_particles(file: SealFile, edges: set) -> list[str]:
     complete segment of it at the start; all of them if one does not touch."""
     outline = file.section.outline
     profiles = [own for own in file.profiles if edges & set(own.contact)]
-    gaps = [nearest_at_start(own, outline).gap for own in profiles]
-    every = isinstance(file.section.spacing, Rays) or max(gaps) > TYPED * outline.size
+    every = isinstance(file.section.spacing, Rays) or any(
+        nearest_at_start(own, outline).gap > TYPED * outline.size for own in profiles
+    )
     return [own.name for own in profiles if every or not rests_along_a_segment(own, outline)]
