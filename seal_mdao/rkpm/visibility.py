@@ -17,6 +17,12 @@ from scipy.spatial import cKDTree
 # Pairs up to this distance over the support radius are examined: some come closer in other designs.
 MARGIN = 1.5
 
+# Least support radius over the longest side of a cell at a particle: covers every point of a cell by
+# three of its corners.
+LEAST = 1.5
+# Largest support radius of a particle over its distance from a vertex around which it must not reach.
+SHORT = 0.99
+
 
 def side_distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Compute distances of points (..., 2) from straight sides between (..., 2) and (..., 2)."""
@@ -68,6 +74,29 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
         found.append(np.column_stack([np.full_like(hidden, particle), hidden]))
         least[corners] = unjoined[corners]
     return np.concatenate(found) if found else np.empty((0, 2), int)
+
+
+def ended_at(places, particles: np.ndarray, radius: np.ndarray, support: float) -> np.ndarray:
+    """Shorten support radii (n,) so that supports end before the vertices of notches.
+
+    A particle whose support does not contain the vertex is hidden from the other face of the notch.
+
+    Parameters
+    ----------
+    places : ndarray, shape (k, 2)
+        Vertices.
+    particles : ndarray, shape (n, 2)
+        Of the nominal body.
+    radius : ndarray, shape (n,)
+        Support radii.
+    support : float
+        These over the longest sides of cells at the particles; they are no shorter than ``LEAST`` sides.
+    """
+    if not len(places):
+        return radius
+    # a_I = min(a_I, max(0.99 |X_I - X_v|, 1.5 h_I)),  h_I = a_I / support
+    away = cKDTree(places).query(particles)[0]
+    return np.minimum(radius, np.maximum(SHORT * away, LEAST / support * radius))
 
 
 def _sides(cells: np.ndarray) -> np.ndarray:

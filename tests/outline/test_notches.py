@@ -1,11 +1,25 @@
-"""Narrow notches of a section are named with their angle and the reach of the supports."""
+"""Particles are closer to each other at narrow notches, and supports end before their vertices."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.analysis.load_path import solve_path
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.errors import GeometryError
+from seal_mdao.loads.imposed import ImposedDisplacements
+from seal_mdao.rkpm.cells import support_radii
+from seal_mdao.rkpm.visibility import ended_at
 from seal_mdao.seals.file.build import unchosen_seal
-from seal_mdao.seals.outline.notches import narrowest_notch
+from seal_mdao.seals.outline import section_cloud
+from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
+from seal_mdao.seals.outline.outline_seal import reseed
+from seal_mdao.structure.elastic_body import elastic_body
 
 NOTCHED = """
 [material.rubber]
@@ -30,36 +44,200 @@ stage = [{{ translate = [0, -0.5], steps = 2 }}]
 """
 HOLE = 'hole = [{ edge = "hole", line = [[4, 1], [5, 4.2], [6, 1], [4, 1]] }]'
 """A triangle whose corners are wedges of rubber's void, one of 35 degrees."""
+DESIGN = """
+[[design]]
+vertex = [5.0, 3.0]
+bound = 0.5
+[[measure]]
+type = "reaction"
+[[measure]]
+type = "stress_norm"
+"""
+FINITE_ELEMENTS = Path(__file__).parents[1] / "verification/references/notched_bulb.json"
+BULB = """
+[material.bulb]
+sponge = "2A3"
+[material.clip]
+shore_a = 75
+[section]
+material = "bulb"
+spacing = 0.5
+layers = 5
+outer = [
+  { edge = "clip", line = [[0, 0], [1.5, 0], [1.5, -3], [4, -3], [4, 2.5], [2.39791576, 2.5]] },
+  { edge = "bulb", arc = { start = [2.39791576, 2.5], through = [6, 8], end = [0, 14] } },
+  { edge = "upper", line = [[0, 14], [0, 12.5]] },
+  { edge = "inside", arc = { start = [0, 12.5], through = [4.5, 8], end = [0, 3.5] } },
+  { edge = "lower", line = [[0, 3.5], [0, 2.5], [0, 0]] },
+]
+[[section.region]]
+material = "clip"
+at = [1, 1]
+line = [[0, 2.5], [2.39791576, 2.5]]
+[fixed]
+edges = ["clip"]
+[[symmetry]]
+edges = ["upper", "lower"]
+normal = "x"
+[[profile]]
+name = "door"
+friction = 0
+normal_penalty = 1e3
+contact = ["bulb"]
+line = [[-30, 0], [30, 0]]
+start = [0, 14]
+stage = [{ translate = [0, -1], steps = 2 }]
+"""
+"""Right half of a foam bulb on a clip; the notch between bulb and clip has 24 degrees."""
+
+
+def file_of(tmp_path, text):
+    path = tmp_path / "section.toml"
+    path.write_text(text)
+    return sm.read_seal_file(path)
+
+
+def notched(degrees):
+    half = 3.0 * np.tan(0.5 * np.radians(degrees))
+    return NOTCHED.format(left=5.0 - half, right=5.0 + half)
 
 
 def seal_of(tmp_path, degrees, change=lambda text: text):
-    half = 3.0 * np.tan(0.5 * np.radians(degrees))
-    path = tmp_path / "notched.toml"
-    path.write_text(change(NOTCHED.format(left=5.0 - half, right=5.0 + half)))
-    return unchosen_seal(sm.read_seal_file(path))
+    return unchosen_seal(file_of(tmp_path, change(notched(degrees))))
+
+
+def with_hole(text):
+    block = 'top", line = [[10, 6], [0, 6]] }},\n'.replace("}}", "}")
+    begin, end = text.index('top", line'), text.index('  { edge = "base", line = [[0, 6]')
+    return (text[:begin] + block + text[end:]).replace("[fixed]", f"{HOLE}\n[fixed]")
+
+
+def longest_sides(seal):
+    """Of the cells at every particle."""
+    return support_radii(seal.body.cells, seal.nominal_particles, 1.0)
 
 
 @pytest.mark.parametrize("degrees", [20.0, 55.0])
-def test_a_narrow_notch_is_reported(tmp_path, degrees):
+def test_cells_are_small_at_the_vertex_of_a_narrow_notch_and_grow_from_there(tmp_path, degrees):
     seal = seal_of(tmp_path, degrees)
+    size, away = longest_sides(seal), np.hypot(*(seal.nominal_particles - [5.0, 3.0]).T)
+    assert size[away == 0.0].item() < 0.15
+    assert (size <= np.maximum(0.15 + 0.6 * away, 1.25)).all()
+    assert size.max() > 0.7
+    assert not [own for own in seal.warnings if "notch" in own]
+
+
+def test_supports_end_before_the_vertex_unless_cells_are_too_large_for_it(tmp_path):
+    seal = seal_of(tmp_path, 20.0)
+    size, away = longest_sides(seal), np.hypot(*(seal.nominal_particles - [5.0, 3.0]).T)
+    radius = seal.body.support_radius
+    np.testing.assert_allclose(
+        radius, np.minimum(2.2 * size, np.maximum(0.99 * away, 1.5 * size)), rtol=1e-12
+    )
+    assert (radius < 2.19 * size).sum() > 20
+    assert (radius[away > 4.0] > 2.19 * size[away > 4.0]).all()
+    # a particle of one face whose support ends is hidden from those of the other face within it
+    x, y = seal.nominal_particles.T
+    ended = np.flatnonzero((x < 5.0) & (y > 3.0) & (away < 1.5) & (radius < away))
+    apart = np.hypot(x[ended, None] - x, y[ended, None] - y)
+    one, other = np.nonzero((apart < radius[ended, None]) & (x > 5.0) & (y > 3.0))
+    assert one.size
+    hidden = set(map(tuple, seal.body.hidden_pairs.tolist()))
+    assert hidden.issuperset(zip(ended[one].tolist(), other.tolist(), strict=True))
+
+
+def test_sections_without_narrow_notches_keep_their_particles_and_supports(tmp_path, monkeypatch):
+    new = {angle: seal_of(tmp_path, angle) for angle in (20.0, 65.0)}
+    monkeypatch.setattr(section_cloud, "AT_NOTCHES", ())
+    old = {angle: seal_of(tmp_path, angle) for angle in (20.0, 65.0)}
+    assert np.array_equal(new[65.0].nominal_particles, old[65.0].nominal_particles)
+    assert np.array_equal(new[65.0].body.support_radius, 2.2 * longest_sides(old[65.0]))
+    assert len(new[20.0].nominal_particles) > len(old[20.0].nominal_particles)
+    radius = np.array([1.0, 2.0])
+    assert ended_at(np.empty((0, 2)), np.zeros((2, 2)), radius, 2.2) is radius
+
+
+def test_a_notch_of_coarse_particles_is_reported(tmp_path, monkeypatch):
+    """Where the section cannot be filled with small cells at the vertex, it is filled without them."""
+    tried, filled = [], section_cloud.cloud
+
+    def cloud(loops, *args):
+        least = min(np.hypot(*np.diff(loop, axis=0).T).min() for loop in loops)
+        tried.append(least)
+        if least < 0.4:
+            raise GeometryError("too small")
+        return filled(loops, *args)
+
+    monkeypatch.setattr(section_cloud, "cloud", cloud)
+    seal = seal_of(tmp_path, 20.0)
+    assert tried[0] < 0.08 < tried[1] < 0.4 < tried[2]
     (text,) = [own for own in seal.warnings if "notch" in own]
-    assert f"the notch at x = 5, y = 3 has an angle of {degrees:.0f} degrees" in text
+    assert "the notch at x = 5, y = 3 has an angle of 20 degrees" in text
     vertex = int(np.flatnonzero((seal.nominal_particles == [5.0, 3.0]).all(axis=1))[0])
     assert f"{seal.body.support_radius[vertex]:.2g} mm from the vertex" in text
     assert "edge_spacing" in text
 
 
-def test_wide_notches_and_convex_corners_are_not(tmp_path):
-    assert not [own for own in seal_of(tmp_path, 65.0).warnings if "notch" in own]
-
-
 def test_corners_of_holes_are_notches(tmp_path):
-    def change(text):
-        block = 'top", line = [[10, 6], [0, 6]] }},\n'.replace("}}", "}")
-        begin, end = text.index('top", line'), text.index('  { edge = "base", line = [[0, 6]')
-        return (text[:begin] + block + text[end:]).replace("[fixed]", f"{HOLE}\n[fixed]")
-
-    seal = seal_of(tmp_path, 60.0, change)
-    notch = narrowest_notch(seal.boundaries, seal.loops, seal.body.support_radius)
+    seal = seal_of(tmp_path, 60.0, with_hole)
+    notch = coarsest_notch(seal.boundaries, seal.loops, seal.body.support_radius)
+    (none, own) = notch_vertices(seal.boundaries)
+    assert none.size == 0
+    places = seal.boundaries[1].points[own]
+    # the two corners at the foot of the triangle have 72.6 degrees
+    np.testing.assert_allclose(places, [[5.0, 4.2]])
     assert notch.place == pytest.approx([5.0, 4.2])
     assert notch.angle == pytest.approx(2.0 * np.arctan(1.0 / 3.2))
+    assert notch.reach == seal.body.support_radius[seal.loops[1][own[0]]]
+
+
+def test_the_force_on_a_bulb_beside_a_notch_is_that_of_finite_elements(tmp_path):
+    """Without small cells and shorter supports at the vertex it is 9 % too large."""
+    expected = json.loads(FINITE_ELEMENTS.read_text())["force_N_per_m"]
+    seal = sm.build_seal(file_of(tmp_path, BULB))
+    result = sm.analyze(seal)
+    assert result.converged
+    assert 2.0 * result.reaction[-1][1] == pytest.approx(expected, rel=0.02)
+    assert len(seal.nominal_particles) < 1.5 * 361
+
+
+def test_the_patch_test_is_passed(tmp_path):
+    """The complete boundary is moved by a linear field: the inside follows it."""
+    seal = seal_of(tmp_path, 20.0)
+    particles, body = seal.nominal_particles, seal.body
+    fixed = np.zeros(particles.shape, bool)
+    fixed[np.concatenate(seal.loops)] = True
+    field = particles @ np.array([[0.12, 0.2], [-0.05, -0.08]]).T
+    body = replace(body, fixed=fixed)
+    terms = (elastic_body(sm.MooneyRivlin(80.0, 20.0, 3000.0)),)
+    ramp = np.linspace(0.0, 1.0, 3)[:, None, None]
+    disc = discretize(body, particles, terms)
+    problem = PathProblem(disc, terms, ImposedDisplacements(ramp * field))
+    path = solve_path(problem, 2, sm.NewtonOptions(1e-13))
+    assert path.converged
+    np.testing.assert_allclose(path.displacement(), field, rtol=0.0, atol=1e-10)
+
+
+def test_gradients_are_exact_in_a_design_that_moves_the_vertex(tmp_path):
+    text = notched(20.0).replace("-0.5], steps = 2", "-0.05], steps = 2")
+    seal = sm.build_seal(file_of(tmp_path, text + DESIGN))
+    offsets = np.full(seal.n_offsets, 0.05)
+    result = sm.analyze(seal, offsets)
+    direct, adjoint = (sm.differentiate(result, method=m) for m in ("direct", "adjoint"))
+    way = np.random.default_rng(3).uniform(-1.0, 1.0, seal.n_offsets)
+    step = 1e-4
+    sides = [sm.analyze(seal, offsets + k * step * way) for k in (-2, -1, 1, 2)]
+    for name in ("reaction", "stress_norm"):
+        size = np.abs(direct[name]).max()
+        np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
+        values = [side.value(result.measure(name))[0] for side in sides]
+        quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ values / (12.0 * step)
+        exact = (np.atleast_2d(direct[name])[:, : seal.n_offsets] @ way).item()
+        assert quotient == pytest.approx(exact, rel=1e-5), name
+
+
+def test_new_particles_of_a_design_have_shorter_supports_too(tmp_path):
+    seal = unchosen_seal(file_of(tmp_path, notched(20.0) + DESIGN))
+    again = reseed(seal, np.zeros(seal.n_offsets))
+    assert np.array_equal(again.nominal_particles, seal.nominal_particles)
+    assert np.array_equal(again.body.support_radius, seal.body.support_radius)

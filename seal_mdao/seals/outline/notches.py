@@ -27,8 +27,19 @@ class Notch(NamedTuple):
     reach: float
 
 
-def narrowest_notch(boundaries, loops, radius: np.ndarray) -> Notch | None:
-    """Find the corner with the smallest angle of the void, below ``NARROW``.
+def notch_vertices(boundaries) -> list[np.ndarray]:
+    """Find the corners of every boundary with an angle of the void below ``NARROW``, their indices."""
+    return [np.flatnonzero(_void_angles(boundary) < NARROW) for boundary in boundaries]
+
+
+def notch_places(boundaries) -> np.ndarray:
+    """Collect the vertices of all narrow notches, shape (k, 2), mm."""
+    which = notch_vertices(boundaries)
+    return np.concatenate([b.points[own] for b, own in zip(boundaries, which, strict=True)])
+
+
+def coarsest_notch(boundaries, loops, radius: np.ndarray) -> Notch | None:
+    """Find the narrow notch with the largest support radius at its vertex.
 
     Parameters
     ----------
@@ -38,14 +49,17 @@ def narrowest_notch(boundaries, loops, radius: np.ndarray) -> Notch | None:
     radius : ndarray, shape (n,)
         Support radii, mm.
     """
-    found = []
-    for boundary, loop in zip(boundaries, loops, strict=True):
-        before, after = boundary.tangent[:, 0], boundary.tangent[:, 1]
-        # body on the left: the void has the angle pi + atan2(a x b, a . b)
-        turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        angle = np.pi + np.arctan2(turn, (before * after).sum(axis=1))
-        angle = np.where(boundary.corner, angle, np.inf)
-        at = int(angle.argmin())
-        found.append(Notch(boundary.points[at], float(angle[at]), float(radius[loop[at]])))
-    narrowest = min(found, key=lambda own: own.angle, default=None)
-    return narrowest if narrowest is not None and narrowest.angle < NARROW else None
+    found = [
+        Notch(boundary.points[at], float(_void_angles(boundary)[at]), float(radius[loop[at]]))
+        for boundary, loop, own in zip(boundaries, loops, notch_vertices(boundaries), strict=True)
+        for at in own
+    ]
+    return max(found, key=lambda own: own.reach, default=None)
+
+
+def _void_angles(boundary) -> np.ndarray:
+    """Compute the angles of the void at the points of a boundary, radians; pi where it is smooth."""
+    before, after = boundary.tangent[:, 0], boundary.tangent[:, 1]
+    # body on the left: the void has the angle pi + atan2(a x b, a . b)
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    return np.pi + np.arctan2(turn, (before * after).sum(axis=1))

@@ -15,7 +15,7 @@ from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
-from seal_mdao.rkpm.visibility import hidden_pairs
+from seal_mdao.rkpm.visibility import ended_at, hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
 from seal_mdao.seals.outline.design import (
     boundary_velocity,
@@ -24,10 +24,10 @@ from seal_mdao.seals.outline.design import (
     named_in_errors,
 )
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
-from seal_mdao.seals.outline.notches import narrowest_notch
+from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
-from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
+from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud, longest_side
 from seal_mdao.seals.outline.sizes import unusual_size, unusual_stages
 from seal_mdao.seals.outline.unusual_values import unusual_values
 from seal_mdao.seals.profiles import contacts
@@ -36,6 +36,9 @@ from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.structure.region import Region
 
+CLOSE = 0.5
+"""Support radius at the vertex of a notch over the longest side of a cell, up to which forces are right
+within about 1 %."""
 ON_AXIS = 1e-9
 """Distance from the axis that is rounding, over the size of the section."""
 NONE = MappingProxyType({})
@@ -148,8 +151,10 @@ class OutlineSeal(Seal):
         )  # fmt: skip
 
     def _narrow_notch(self) -> tuple[str, ...]:
-        notch = narrowest_notch(self.boundaries, self.loops, self.body.support_radius)
-        if notch is None:
+        notch = coarsest_notch(self.boundaries, self.loops, self.body.support_radius)
+        # particles that a spacing places are close enough to each other there
+        longest = longest_side(self.body.cells, self.nominal_particles)
+        if notch is None or notch.reach <= CLOSE * longest:
             return ()
         x, y = np.round(notch.place, 6) + 0.0
         return (
@@ -241,7 +246,7 @@ def outline_seal(
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    body = _body(filled, kernels, prescribed, edges, model.axisymmetric)
+    body = _body(filled, kernels, prescribed, edges, model.axisymmetric, boundaries)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
@@ -315,7 +320,14 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
         # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
         nominal_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
-        body=_body(filled, seal.kernels, prescribed, seal.body.edges, seal.body.axisymmetric),
+        body=_body(
+            filled,
+            seal.kernels,
+            prescribed,
+            seal.body.edges,
+            seal.body.axisymmetric,
+            seal.boundaries,
+        ),
     )
 
 
@@ -344,13 +356,18 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))
 
 
-def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool) -> Body:
+def _body(
+    filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool, boundaries
+) -> Body:
     # kernels are chosen for the nominal particles, and stay the same in all designs
     cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
     radius, axes = filled.support_radius, filled.support_axes
     if radius is None:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
+        if axes is None:
+            at = [loop[k] for loop, k in zip(filled.loops, notch_vertices(boundaries), strict=True)]
+            radius = ended_at(nominal[np.concatenate(at)], nominal, radius, kernels.support)
     return Body(
         cells, radius, prescribed, edges, nominal=nominal,
         hidden_pairs=hidden_pairs(cells, nominal, radius),

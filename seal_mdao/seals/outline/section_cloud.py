@@ -10,13 +10,18 @@ from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.outline.crossings import nearest_around
 from seal_mdao.seals.outline.mesher import triangulate
+from seal_mdao.seals.outline.notches import notch_places
 from seal_mdao.seals.outline.quadrilaterals import halved, paired
 
 SLOPE = 0.25
-"""Gradient of the spacing with the distance from thin walls and short sides."""
+"""Gradient of the spacing with the distance from thin walls, short sides and narrow notches."""
 
 FINEST = 1.0 / 6.0
 """Least spacing over the largest one."""
+
+AT_NOTCHES = (1.0 / 16.0, 1.0 / 4.0)
+"""Spacing at the vertices of narrow notches over the largest one; the second one where the section
+cannot be filled with the first."""
 
 LAYERS = 3
 """Least number of layers of particles across a wall."""
@@ -186,8 +191,8 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
     """Grade boundary points by wall thickness, and choose the spacing for ``cloud``.
 
     No wall has fewer than ``layers`` particles across, where the spacing stays above ``FINEST`` of the
-    largest. The spacing grows with the same gradient from short sides, as along a fillet, as from thin
-    walls. It is reduced where cells would be too long for it.
+    largest. The spacing grows with the same gradient from short sides, as along a fillet, and from the
+    vertices of narrow notches, as from thin walls. It is reduced where cells would be too long for it.
 
     Parameters
     ----------
@@ -204,11 +209,26 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
     GeometryError
         For a section that cannot be filled.
     """
-    dense = [b.points for b in sample(lambda x: np.full(len(x), DENSE * spacing))]
+    dense = sample(lambda x: np.full(len(x), DENSE * spacing))
+    notches, walls = notch_places(dense), [boundary.points for boundary in dense]
+    for finest in AT_NOTCHES if len(notches) else ():
+        try:
+            return _graded(sample, spacing, cuts, layers, walls, notches, finest)
+        except GeometryError:
+            continue
+    return _graded(sample, spacing, cuts, layers, walls, notches, 1.0)
+
+
+def _graded(sample, spacing, cuts, layers, walls, notches, finest):
+    """Choose points and spacing as ``graded``, by dense points of walls and by the vertices of notches,
+    at which the spacing is ``finest`` times the largest one."""
     for fraction in FRACTIONS:
-        at = wall_spacing(dense, fraction * spacing, layers)
+        at = wall_spacing(walls, fraction * spacing, layers)
         # sampled twice: short sides of the first sampling refine the spacing of the second
-        boundaries = sample(_beside_short(sample(at), at))
+        at = _beside_short(sample(at), at)
+        if finest < 1.0:
+            at = _grown(notches, np.full(len(notches), finest * fraction * spacing), at)
+        boundaries = sample(at)
         filled = cloud([boundary.points for boundary in boundaries], fraction * spacing, cuts)
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
             break
