@@ -1,7 +1,6 @@
 """Common parts of the subcommands: seal options, output folder, one-line errors, summary.json."""
 
 import argparse
-import gc
 import io
 import json
 import math
@@ -17,6 +16,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao.analysis import cost as cost_of
+from seal_mdao.cli.garbage_collection import collect_less
 from seal_mdao.cli.one_line_parser import OneLineParser
 from seal_mdao.input_files import read_text
 from seal_mdao.plotting.captions import captioned, name_seal
@@ -234,11 +234,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         for a seal file that cannot be used, 130 after Ctrl-C. Wrong arguments exit with 2.
     """
     make_writable()
-    if gc.get_freeze_count() == 0:
-        # what is imported is no garbage, and to look at it again and again takes half a second; nor
-        # are most of the objects of a run, hence ten times as many new ones before a collection
-        gc.freeze()
-        gc.set_threshold(10 * gc.get_threshold()[0])
+    collect_less()
     # parse, then note which options were given explicitly
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from importlib import import_module
 
 from seal_mdao._version import __version__
+from seal_mdao.cli.garbage_collection import collect_less
 from seal_mdao.cli.one_line_parser import OneLineParser
 
 COMMANDS = {
@@ -78,6 +79,7 @@ def _run(name: str, argv) -> int:
         from seal_mdao.cli.arguments import run
 
         command = import_module(f"seal_mdao.cli.{name}")
+        collect_less()
     finally:
         gc.enable()
     made = command.arguments_parser()
