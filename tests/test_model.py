@@ -107,7 +107,7 @@ WRONG = [
     ("rays", 60), ("rays", 0), ("rays", 58.0), ("rays", "58"), ("layers", 1), ("layers", 2.5),
     ("n_gauss", 0), ("n_steps", 0), ("n_steps", 10.0), ("basis_order", 3), ("basis_order", "1"),
     ("support", 0.0), ("support", -1.0), ("support", np.nan), ("support", np.inf),
-    ("support", "wide"), ("solver", "cholesky"), ("door", "round"), ("door", None),
+    ("support", "wide"), ("door", "round"), ("door", None),
     ("friction", -0.1), ("friction", np.nan), ("friction", "dry"), ("friction", None),
     ("friction_history", "none"), ("normal_penalty", 0.0), ("normal_penalty", np.inf),
     ("tangent_penalty", -1.0), ("tangent_penalty", "soft"), ("nominal_door_radius", 0.0),

@@ -23,16 +23,11 @@ def _by_particles(table: dict, start: str) -> np.ndarray:
     return np.array(sorted(found)).T
 
 
-def _exponent(figures: dict, solver: str, kind: str) -> str:
-    """Of the growth of the time; PARDISO need not have been installed."""
-    table = figures.get(f"growth, {solver}")
-    return "(not measured)" if table is None else f"{table[f'growth exponent, {kind}']:.2f}"
-
-
 def make(out: Path, reduced: bool) -> dict:
     """Times of a load step and an iteration, and shares of the sensitivities, against particles."""
     figures = json.loads(BENCHMARKS.read_text(encoding="utf-8"))
-    growth, shares = figures["growth, superlu"], figures["sensitivities of 8 steps"]
+    growth = figures["load steps of seals with many particles"]
+    shares = figures["sensitivities of 8 steps"]
     with (
         captioned(DOOR_SEAL, figures["date"]),
         picture(out / "growth.png", 1, 2, width=10.0, height=3.8) as (left, right),
@@ -51,7 +46,6 @@ def make(out: Path, reduced: bool) -> dict:
         left.figure.get_layout_engine().set(wspace=0.06)
     path = figures["analysis of 35 load steps"]["growth exponent"]
     return {"path_exponent": f"{path:.2f}"} | {
-        f"{kind}_{solver}": _exponent(figures, solver, name)
-        for solver in ("superlu", "pardiso")
+        kind: f"{growth[f'growth exponent, {name}']:.2f}"
         for kind, name in (("step", "load step"), ("iteration", "iteration"))
     }

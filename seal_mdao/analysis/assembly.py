@@ -73,10 +73,6 @@ class Assembly:
             values[layout.storage.diagonal()] += shift
         return layout.factorize(values, check and self.problem.symmetric)
 
-    def factorize_roughly(self):
-        """Factorise in the precision that a predictor and quasi-Newton iterations need."""
-        return self.problem.discretization.layout.factorize_roughly(self.values)
-
     @property
     def mean_stiffness(self) -> float:
         """Mean amount of the diagonal entries of the tangent."""

@@ -9,7 +9,7 @@ import numpy as np
 from seal_mdao.analysis.assembly import Assembly
 from seal_mdao.analysis.path_result import ConvergedStep, Status
 from seal_mdao.analysis.problem import PathProblem
-from seal_mdao.equilibrium.storage import Factor
+from seal_mdao.equilibrium.tangent_layout import Factor
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,6 @@ resume from the state of the first (``PathState``), which gives the same bits, t
 """
 
 from collections.abc import Callable
-from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -38,10 +37,9 @@ from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.predictor import bend_of, predict, predictors
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.analysis.pseudo_time import ending, relax
-from seal_mdao.analysis.quasi_newton import Reuse, quasi_newton
-from seal_mdao.analysis.stability import flagged, is_stable
+from seal_mdao.analysis.stability import flagged
 from seal_mdao.equilibrium.memory import keep_freed_memory
-from seal_mdao.equilibrium.storage import Factor
+from seal_mdao.equilibrium.tangent_layout import Factor
 from seal_mdao.equilibrium.threads import one_blas_thread
 
 # Equilibrium that is near by is found by damped motion within so many iterations.
@@ -50,21 +48,12 @@ NEAR = 40
 NEAR_THE_END = 5
 
 
-def corrected(increment: Increment, guess: np.ndarray, reuse: Reuse) -> Solution:
+def corrected(increment: Increment, guess: np.ndarray) -> Solution:
     """Correct the predictor ``guess`` (n, 2) to equilibrium on the branch of the path.
 
     UNSTABLE, JUMPED or GAINED in place of CONVERGED where the path should not go there.
     """
-    found, tried = None, ()
-    # old factors, where a factorisation is dear
-    if increment.problem.discretization.layout.storage.reuses_factors and reuse.is_due():
-        found = quasi_newton(increment, guess)
-        reuse.learn(found.converged)
-    # Newton's method
-    if found is None or not found.converged:
-        tried = () if found is None else found.residuals
-        found = newton(increment, guess).after(tried)
-    found = _judged(increment, found, guess)
+    found = _judged(increment, newton(increment, guess), guess)
     if found.status in (Status.CONVERGED, Status.UNSTABLE):
         return found
     # mixed iterations from the same predictor, where Newton's method fails or jumps
@@ -109,7 +98,6 @@ class PathState(NamedTuple):
     cuts : int
     bend : ndarray or None
         Of ``predictor.bend_of`` at the last step.
-    reuse : Reuse
     factor : Factor
         Of the tangent at the last step.
     memory : float
@@ -120,7 +108,6 @@ class PathState(NamedTuple):
     points: tuple
     cuts: int
     bend: np.ndarray | None
-    reuse: Reuse
     factor: Factor
     memory: float
 
@@ -131,8 +118,6 @@ class _Path:
     Parameters
     ----------
     problem : PathProblem
-    n_steps : int
-        Nominal load steps; the last one is asked whether it is stable, at any cost.
     options : NewtonOptions
     memory : float
         Bytes for the factors that are kept.
@@ -142,11 +127,10 @@ class _Path:
         As of ``solve_path``.
     """
 
-    def __init__(self, problem: PathProblem, n_steps: int, options, memory: float, note, near):
-        self.problem, self.n_steps, self.options, self.near = problem, n_steps, options, near
+    def __init__(self, problem: PathProblem, options, memory: float, note, near):
+        self.problem, self.options, self.near = problem, options, near
         self.memory, self.note = memory, note
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
-        self.reuse = Reuse()
         # the undeformed state
         history = problem.no_history()
         start = problem.evaluate(np.zeros_like(problem.discretization.particles), 0.0, history)
@@ -155,20 +139,20 @@ class _Path:
         self.factor = start.factorize()
         self.start = self.last = ConvergedStep(
             -1, 0.0, start.d, history, start.responses, 0, (0.0,),
-            stable=is_stable(problem, self.factor),
+            stable=self.factor.positive,
         )  # fmt: skip
 
     def state(self) -> PathState:
         """Return all that the rest of the path depends on."""
         return PathState(
-            tuple(self.steps), tuple(self.points), self.cuts, self.bend, copy(self.reuse),
+            tuple(self.steps), tuple(self.points), self.cuts, self.bend,
             self.factor, self.memory,
         )  # fmt: skip
 
     def resume(self, state: PathState) -> int:
         """Continue from the state of a path with the same steps up to there; return their number."""
         self.steps, self.points = list(state.steps), list(state.points)
-        self.cuts, self.bend, self.reuse = state.cuts, state.bend, copy(state.reuse)
+        self.cuts, self.bend = state.cuts, state.bend
         self.last, self.factor, self.memory = self.steps[-1], state.factor, state.memory
         return self.last.nominal + 1
 
@@ -224,13 +208,13 @@ class _Path:
                     return found, guess
             tried += found.residuals
         for guess in predictors(increment, euler, self.bend):
-            found = corrected(increment, guess, self.reuse).after(tried)
+            found = corrected(increment, guess).after(tried)
             if found.converged:
                 break
             tried = found.residuals
         if found.status is Status.CYCLED and not increment.last.touched and is_free(self.problem):
             # it moves from one profile to the other as if rigid; between them it touches both
-            between = corrected(increment, found.d, self.reuse).after(tried)
+            between = corrected(increment, found.d).after(tried)
             if between.converged:
                 return between, found.d
         return found, guess
@@ -256,8 +240,8 @@ class _Path:
         self.last = ConvergedStep(
             nominal, target, found.d, before.after, found.assembly.responses,
             len(found.residuals) - 1, found.residuals,
-            self.factor.exact() if self.memory >= 0.0 else None,
-            is_stable(problem, self.factor, at_any_cost=nominal + 1 == self.n_steps),
+            self.factor if self.memory >= 0.0 else None,
+            self.factor.positive,
         )  # fmt: skip
         if point is None and before.stable and not self.last.stable:
             point = flagged(problem, self.factor, self.last, before)
@@ -353,9 +337,7 @@ def solve_path(
     """
     keep_freed_memory()
     options = NewtonOptions() if options is None else options
-    path = _Path(
-        problem, n_steps, options, factor_memory * 2**30, getattr(callback, "damped", None), near
-    )
+    path = _Path(problem, options, factor_memory * 2**30, getattr(callback, "damped", None), near)
     begin = 0 if resume is None else path.resume(resume)
     # report the steps that were taken as if they were solved now
     for step in path.steps if callback is not None else ():

@@ -62,8 +62,7 @@ def critical_mode(problem: PathProblem, factor, moved, negative: bool) -> np.nda
     makes the sum of x positive, else that of y, else the rotation counter-clockwise.
     """
     layout, x = problem.discretization.layout, problem.discretization.particles
-    # the factor of the last step may be in single precision; ``exact`` gives double precision
-    _, mode = nearest_mode(factor.exact(), layout.n_equations, problem.symmetric, negative)
+    _, mode = nearest_mode(factor, layout.n_equations, problem.symmetric, negative)
     mode = layout.gather(mode / np.abs(mode).max())
     # infinitesimal rotation (-y, x)
     turn = np.column_stack([-x[:, 1], x[:, 0]])
@@ -74,13 +73,6 @@ def critical_mode(problem: PathProblem, factor, moved, negative: bool) -> np.nda
         if abs(along) > SENSELESS * np.linalg.norm(mode) * np.linalg.norm(sense):
             return mode if along > 0.0 else -mode
     return mode
-
-
-def is_stable(problem: PathProblem, factor, at_any_cost: bool = False) -> bool:
-    """Return whether a factorised tangent is stable; True where an unsymmetric one costs much."""
-    if problem.symmetric or problem.discretization.layout.storage.has_sign:
-        return factor.positive
-    return factor.exact().positive if at_any_cost else True
 
 
 def follows_stable(increment: Increment) -> bool:

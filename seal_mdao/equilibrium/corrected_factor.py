@@ -59,13 +59,6 @@ class CorrectedFactor:
         n = self.columns.shape[1]
         return nearest_mode(self, n, symmetric=True, negative=True)[0] > 0.0
 
-    def exact(self) -> "CorrectedFactor":
-        """Return the factor in double precision."""
-        exact = self.factor.exact()
-        if exact is self.factor:
-            return self
-        return CorrectedFactor(exact, self.columns, self.change, self.symmetric)
-
     def solve(self, rhs: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solve the corrected system for right-hand sides of shape (n,) or (n, m)."""
         if not transposed:

@@ -75,8 +75,6 @@ class Body:
     n_gauss : int, or pair of int
         Gauss points along both directions of a cell, or along each (``rkpm.cells.cell_map``); a triangle
         has as many points as a quadrilateral.
-    solver : str
-        "auto", "banded", "superlu" or "pardiso".
     hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles whose supports must not reach each other across a void
         (``rkpm.visibility.hidden_pairs`` of the nominal body).
@@ -98,7 +96,6 @@ class Body:
     nominal: np.ndarray | None = None
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
-    solver: str = "auto"
     hidden_pairs: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
     support_axes: np.ndarray | None = None
     column: int = 1
@@ -344,7 +341,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     if equations is None:
         equations = equation_numbers(body.fixed, coupled, transformation)
     layout = tangent_layout(
-        equations, coupled, transformation, body.solver, _links(terms, tables),
+        equations, coupled, transformation, _links(terms, tables),
         sum(term.n_columns for term in terms),
     )  # fmt: skip
     return Discretization(

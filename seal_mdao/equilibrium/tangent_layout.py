@@ -1,7 +1,7 @@
 """Equation numbers and slots of the entries of the tangent.
 
-The assembly kernels add to one flat buffer through precomputed slots, independently of the linear
-solver. The buffer holds, in this order: the stored entries of the solver's format; the rows K_C. and
+The assembly kernels add to one flat buffer through precomputed slots. The buffer holds, in this order:
+the entries of the block tridiagonal matrix (``block_tridiagonal``); the rows K_C. and
 the columns K_.C of the constrained particles; the dump, one entry that collects what belongs to
 prescribed displacements; the columns of the rank-one parts, and their sizes.
 """
@@ -14,14 +14,20 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 
 from seal_mdao.compilation import compiled, inlined
+from seal_mdao.equilibrium.block_tridiagonal import (
+    BlockFactor,
+    BlockTridiagonal,
+    block_ends,
+    farthest_coupled,
+)
 from seal_mdao.equilibrium.condensation import Condensation, condense_force, condense_tangent
 from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
 from seal_mdao.equilibrium.couplings import couplings
-from seal_mdao.equilibrium.linear_solver import storage_for
-from seal_mdao.equilibrium.storage import Scheme, Storage
-from seal_mdao.rkpm.sorted_lists import first_not_below
 
-# Number of starting particles tried in the body, and at its base, to narrow the band.
+Factor = BlockFactor | CorrectedFactor
+"""Factorised tangent: ``solve``, ``positive`` and its memory ``nbytes``."""
+
+# Number of starting particles tried in the body, and at its base, for small blocks.
 SEARCHED_STARTS = 24
 
 
@@ -56,7 +62,7 @@ class TangentLayout:
         Unknowns, and lengths of the value and the force buffers.
     scatter : tuple of Scatter
         One for each raw shape table, in the order given.
-    storage : Storage
+    storage : BlockTridiagonal
     condensation : Condensation, optional
         None where no particle is constrained.
     stored : _StoredIndices
@@ -71,7 +77,7 @@ class TangentLayout:
     size: int
     force_size: int
     scatter: tuple
-    storage: Storage
+    storage: BlockTridiagonal
     condensation: Condensation | None
     stored: NamedTuple
     n_columns: int = 0
@@ -115,15 +121,17 @@ class TangentLayout:
         first = end - self.n_columns * self.force_size
         return values[first:end].reshape(self.n_columns, self.force_size), values[end : self.size]
 
-    def factorize(self, values: np.ndarray, symmetric: bool = False):
-        """Factorise the matrix with the entries ``values``, which must not change afterwards."""
-        return self._with_columns(self.storage.factorize(values, symmetric), values, symmetric)
+    def factorize(self, values: np.ndarray, symmetric: bool = False) -> Factor:
+        """Factorise the matrix with the entries ``values``.
 
-    def factorize_roughly(self, values: np.ndarray):
-        """Factorise in reduced precision where the storage has that, else as ``factorize``."""
-        return self._with_columns(self.storage.factorize_roughly(values), values, False)
+        The factor of a ``symmetric`` one knows whether it is positive definite.
 
-    def _with_columns(self, factor, values, symmetric):
+        Raises
+        ------
+        LinAlgError
+            The matrix is singular.
+        """
+        factor = self.storage.factorize(values, symmetric)
         if not self.n_columns:
             return factor
         # K + G diag(s) G^T by Sherman-Morrison-Woodbury: the pattern of K stays sparse
@@ -168,17 +176,6 @@ class TangentLayout:
         return padded[self.equations]
 
 
-def _half_width(coupling, equations) -> int:
-    """Compute the half-width max |i - j| over the equations i, j of coupled particles."""
-    # the pattern is symmetric, so the largest j - i suffices: highest equation of the one
-    # particle less the lowest of the other; prescribed components (-1) do not count as lowest
-    count = np.diff(coupling.indptr)
-    highest, free = equations.max(axis=1), equations >= 0
-    lowest = np.where(free, equations, equations.max()).min(axis=1)
-    rows, columns = np.repeat(lowest, count), highest[coupling.indices]
-    return int(np.max(columns - rows, initial=0))
-
-
 def _number(fixed, order) -> np.ndarray:
     """Number the free components (n, 2) of the particles in the given order, -1 elsewhere."""
     equations = np.full(fixed.shape, -1)
@@ -193,8 +190,8 @@ def _spread(particles: np.ndarray) -> np.ndarray:
     return particles[:: max(1, -(-particles.size // SEARCHED_STARTS))]
 
 
-def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, int]:
-    """Number the equations so that the band is narrow.
+def number_equations(fixed: np.ndarray, coupling, base=()) -> np.ndarray:
+    """Number the equations so that their blocks are small (``block_tridiagonal``).
 
     Reverse Cuthill-McKee, and breadth-first orders from starts all over the body and around its
     base: where a ring is tied to a base, the former's own start is far from the best.
@@ -210,8 +207,6 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
     -------
     equations : ndarray of int, shape (n, 2)
         -1 for prescribed components.
-    width : int
-        Half-width of the band.
     """
     movable = np.flatnonzero(~fixed.all(axis=1))
     # particles without any free component have no equation and are left out of the graph
@@ -225,9 +220,8 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> tuple[np.ndarray, 
         if order.size == movable.size:
             orders.append(order)
     numbered = [_number(fixed, movable[order]) for order in orders]
-    widths = [_half_width(coupling, number) for number in numbered]
-    best = int(np.argmin(widths))
-    return numbered[best], widths[best]
+    operations = [block_ends(farthest_coupled(number, coupling))[1] for number in numbered]
+    return numbered[int(np.argmin(operations))]
 
 
 class _StoredIndices(NamedTuple):
@@ -240,8 +234,8 @@ class _StoredIndices(NamedTuple):
     n_equations : int
     coupled : ndarray of int, shape (n,)
         Index among the ``n_coupled`` coupled particles, -1 for others.
-    scheme : Scheme
-        Of the storage.
+    origins : ndarray of int, shape (n_equations,)
+        Of ``BlockTridiagonal``.
     first_row, first_column, dump : int
         First slots of the rows and of the columns of constrained particles; slot of the dump.
     """
@@ -251,7 +245,7 @@ class _StoredIndices(NamedTuple):
     n_constrained: int
     coupled: np.ndarray
     n_coupled: int
-    scheme: Scheme
+    origins: np.ndarray
     first_row: int
     first_column: int
     dump: int
@@ -262,13 +256,7 @@ def _stored(stored, row, column):
     """Return the slot of the entry (row, column) of two equations."""
     if row < 0 or column < 0:
         return stored.dump
-    scheme = stored.scheme
-    if scheme.rows > 0:
-        # LAPACK band with w rows for fill-in: AB[2 w + i - j, j] = K_ij, leading dimension 3 w + 1
-        return column * scheme.rows + 2 * scheme.width + row - column
-    # compressed columns: search the row among the sorted rows of the column
-    first, end = scheme.pointers[column], scheme.pointers[column + 1]
-    return first_not_below(scheme.indices, row, first, end)
+    return stored.origins[column] + row
 
 
 @inlined
@@ -318,12 +306,12 @@ def _slots(start, neighbours, pairs, stored) -> tuple:
 
 
 def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarray:
-    """Number the equations (n, 2) so that the band of the given raw shape tables is narrow.
+    """Number the equations (n, 2) so that the blocks of the given raw shape tables are small.
 
     The numbering of the nominal body is valid for all designs.
     """
     coupled, coupling = couplings(len(fixed), tables, _effective(transformation))
-    return number_equations(fixed, coupling, coupled)[0]
+    return number_equations(fixed, coupling, coupled)
 
 
 def _effective(transformation):
@@ -334,7 +322,7 @@ def _effective(transformation):
 
 
 def tangent_layout(
-    equations: np.ndarray, tables, transformation=None, solver: str = "auto", links=(), n_columns=0
+    equations: np.ndarray, tables, transformation=None, links=(), n_columns=0
 ) -> TangentLayout:
     """Build the storage of the tangent and all scatter maps for the given raw shape tables.
 
@@ -344,7 +332,6 @@ def tangent_layout(
         Of ``equation_numbers``; -1 for prescribed components.
     tables : sequence of ShapeTable
     transformation : EssentialTransformation, optional
-    solver : {"auto", "banded", "superlu", "pardiso"}
     links : sequence of Link
         Points that act on each other.
     n_columns : int
@@ -354,12 +341,11 @@ def tangent_layout(
     if transformation is not None:
         constrained = transformation.constrained
     coupled, coupling = couplings(len(equations), tables, transformation, links)
-    width = _half_width(coupling, equations)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
-    storage = storage_for(solver, n, width, equations, coupling)
+    storage = BlockTridiagonal(block_ends(farthest_coupled(equations, coupling))[0])
     # n equations, c constrained and v coupled particles: K_C. and K_.C have 2 c x 2 v entries each
     stored = _StoredIndices(
-        equations.copy(), n, c, np.full(len(equations), -1), v, storage.scheme, storage.size,
+        equations.copy(), n, c, np.full(len(equations), -1), v, storage.origins, storage.size,
         storage.size + 4 * c * v, storage.size + 8 * c * v,
     )  # fmt: skip
     # components of constrained particles behind the equations, flat (component, particle)

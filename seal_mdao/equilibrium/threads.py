@@ -50,13 +50,6 @@ class OneBlasThread(ContextDecorator):
                 _restore(self._of_process)
                 _take_control(self._libraries)
 
-    def find_libraries_again(self) -> None:
-        """Include a BLAS library that has just been loaded; limit it at once for threads inside."""
-        with self._lock:
-            self._libraries = None
-            if self._inside:
-                self._limit(of_process=True)
-
     def _limit(self, of_process: bool):
         if self._libraries is None:
             self._libraries = ThreadpoolController().select(user_api="blas")

@@ -238,51 +238,6 @@ def fill_deformations(cells, functions: np.ndarray, d: np.ndarray, out: Deformat
     return out
 
 
-@compiled
-def particle_gradients(table, cells, d, out):
-    """In-plane deformation gradients at the particles: means over the quadrature points of the cells
-    around.
-
-    Parameters
-    ----------
-    table : ShapeTable
-        Shape functions at the quadrature points, a group for a column of cells.
-    cells : ndarray of int, shape (n_cells, 4)
-        Corner particles.
-    d : ndarray, shape (n, 2)
-        Generalised displacements.
-    out : ndarray, shape (n, 2, 2)
-        Written; the unit matrix for a particle at no cell.
-    """
-    of_column, rows = len(cells) // (table.start.size - 1), grad_rows(table)
-    points, q_count = table.group_size, table.group_size // of_column
-    f, count = np.empty((points, 3 + rows)), np.zeros(len(out))
-    out[:] = 0.0
-    for column in range(table.start.size - 1):
-        s0 = table.start[column]
-        n = table.start[column + 1] - s0
-        grad = table.grad[rows * s0 * points : rows * (s0 + n) * points]
-        group_gradients(grad, d[table.neighbours[s0 : s0 + n]].T, n, points, f)
-        # sums over the quadrature points of the cells at a particle
-        for x in range(of_column):
-            corners = cells[column * of_column + x]
-            for a in range(corners.size):
-                particle = corners[a]
-                if particle == corners[a - 1]:  # the repeated corner of a triangle
-                    continue
-                count[particle] += q_count
-                for q in range(x * q_count, (x + 1) * q_count):
-                    for i in range(2):
-                        for k in range(2):
-                            out[particle, i, k] += f[q, 2 * i + k]
-    for particle in range(len(out)):
-        # mean F, or 1
-        if count[particle] > 0.0:
-            out[particle] /= count[particle]
-        else:
-            out[particle, 0, 0] = out[particle, 1, 1] = 1.0
-
-
 def lowest_jacobian(path) -> float:
     """Least det F of all quadrature points at the nominal steps of a path; 1 before the first."""
     structure, steps = path.problem.term("structure"), path.nominal_steps

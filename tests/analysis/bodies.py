@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body, discretize
-from seal_mdao.equilibrium.linear_solver import BandedStorage
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.visibility import hidden_pairs
@@ -22,7 +21,7 @@ class AnyConstants(MooneyRivlin):
         pass
 
 
-def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2, inner=None):
+def square(rng, n=6, order=1, fixed="rim", column=1, n_gauss=2, inner=None):
     """``n`` x ``n`` particles on the unit square, the inner ones moved; the rim or nothing fixed.
 
     The pressure is continuous upwards through ``column`` cells. With an ``inner`` radius the square is
@@ -45,7 +44,6 @@ def square(rng, n=6, order=1, solver="auto", fixed="rim", column=1, n_gauss=2, i
         support_radius=radius,
         fixed=prescribed,
         basis_order=order,
-        solver=solver,
         column=column,
         n_gauss=n_gauss,
         axisymmetric=inner is not None,
@@ -108,19 +106,13 @@ def energy(disc, d, constants=CONSTANTS):
 
 
 def dense(layout, values):
-    """The matrix in a tangent buffer: LAPACK band storage (gbtrf) or compressed columns."""
+    """The matrix in a tangent buffer."""
     storage, n = layout.storage, layout.n_equations
     matrix = np.zeros((n, n))
-    if isinstance(storage, BandedStorage):
-        kl = storage.width
-        band = values[: storage.size].reshape(n, 3 * kl + 1).T
-        for column in range(n):
-            low, high = max(0, column - kl), min(n, column + kl + 1)
-            matrix[low:high, column] = band[2 * kl + low - column : 2 * kl + high - column, column]
-        return matrix
-    for column in range(n):
-        where = slice(storage.pointers[column], storage.pointers[column + 1])
-        matrix[storage.indices[where], column] = values[: storage.size][where]
+    columns = zip(storage.starts, storage.shapes, storage.rows, storage.stored, strict=False)
+    for start, shape, own, stored in columns:
+        block = values[start : start + shape[0] * shape[1]].reshape(shape, order="F")
+        matrix[stored, own] = block
     return matrix
 
 

@@ -161,18 +161,6 @@ def test_factor_of_a_step_is_that_of_its_converged_tangent(nominal, rng):
         np.testing.assert_array_equal(step.factor.solve(rhs), again.solve(rhs))
 
 
-def test_solution_does_not_depend_on_the_linear_solver(tight):
-    model = sm.door_seal(depth=7.0, n_steps=40, start=10.03, newton=tight)
-    band, other = (
-        sm.analyze(with_options(model, solver=solver)) for solver in ("banded", "superlu")
-    )
-    assert type(other.path.discretization.layout.storage) is not type(
-        band.path.discretization.layout.storage
-    )
-    np.testing.assert_allclose(other.reaction, band.reaction, rtol=0.0, atol=1e-7)
-    np.testing.assert_allclose(other.deformed(), band.deformed(), rtol=0.0, atol=1e-9)
-
-
 def test_step_cannot_be_changed(nominal):
     with pytest.raises(AttributeError):
         nominal.path.steps[0].d = None

@@ -69,12 +69,11 @@ BITS = """
 import hashlib
 import numpy as np
 import seal_mdao as sm
-for solver in ("banded", "superlu"):
-    seal = sm.door_seal(depth=3.0, n_steps=35, solver=solver)
-    result = sm.analyze(seal, np.linspace(-0.1, 0.1, 25), {"door_radius": 4.1})
-    rates = sm.differentiate(result)
-    parts = result.deformed(), result.reaction, result.von_mises, result.gap, rates.von_mises, rates.gap
-    print(hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in parts)).hexdigest())
+seal = sm.door_seal(depth=3.0, n_steps=35)
+result = sm.analyze(seal, np.linspace(-0.1, 0.1, 25), {"door_radius": 4.1})
+rates = sm.differentiate(result)
+parts = result.deformed(), result.reaction, result.von_mises, result.gap, rates.von_mises, rates.gap
+print(hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in parts)).hexdigest())
 """
 
 
@@ -89,7 +88,7 @@ def test_number_of_blas_threads_changes_no_bit():
             [sys.executable, "-c", BITS], env={**os.environ, **threads}, check=True,
             capture_output=True, text=True,
         )  # fmt: skip
-        assert len(done.stdout.split()) == 2
+        assert len(done.stdout.split()) == 1
         found.add(done.stdout)
     assert len(found) == 1
 

@@ -109,8 +109,8 @@ def test_a_path_that_only_gains_energy_ends_with_the_reason(folder, monkeypatch)
     last, later, correct = path.steps[10], path.steps[20], load_path.corrected
     lost = Solution(Status.NOT_CONVERGED, np.zeros(1), (1.0,))
 
-    def corrected(increment, guess, reuse):
-        return correct(increment, guess, reuse) if increment.target <= last.fraction else lost
+    def corrected(increment, guess):
+        return correct(increment, guess) if increment.target <= last.fraction else lost
 
     def descend(increment, guess):
         far = increment.evaluate(later.d, tangent=False)

@@ -27,12 +27,9 @@ def moved(disc, field, steps=2):
     return solve_path(problem, steps, sm.NewtonOptions(1e-13))
 
 
-@pytest.mark.parametrize(
-    ("order", "solver", "column"),
-    [(1, "banded", 1), (1, "superlu", 1), (2, "banded", 1), (1, "banded", 5), (2, "superlu", 5)],
-)
-def test_homogeneous_deformation_is_solved_exactly(rng, order, solver, column):
-    disc = square(rng, order=order, solver=solver, column=column)
+@pytest.mark.parametrize(("order", "column"), [(1, 1), (2, 1), (1, 5), (2, 5)])
+def test_homogeneous_deformation_is_solved_exactly(rng, order, column):
+    disc = square(rng, order=order, column=column)
     path = moved(disc, disc.particles @ SLOPE.T)
     assert path.converged
     exact = disc.particles @ SLOPE.T

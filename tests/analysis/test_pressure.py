@@ -10,7 +10,6 @@ from verification.quadratic_integration import discretize_quadratic
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.structure.deformation import particle_gradients
 from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.force_products import add_tangent_product
@@ -85,14 +84,6 @@ def test_tangent_is_that_of_cells(both):
         matrices.append(dense(disc.layout, internal(disc, d)[1])[np.ix_(order, order)])
     expected, found = matrices
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
-
-
-def test_gradients_at_particles_are_those_of_cells(both):
-    """They know nothing of the pressure."""
-    found = np.empty((2, len(both[2]), 2, 2))
-    for disc, out in zip(both, found, strict=False):
-        particle_gradients(disc.cells.raw, disc.body.cells, both[2], out)
-    np.testing.assert_allclose(found[1], found[0], rtol=0.0, atol=1e-13)
 
 
 def test_quadratic_integration_by_columns_is_that_of_cells(both):

@@ -198,18 +198,6 @@ def test_the_path_does_not_depend_on_the_number_of_steps(corner_x):
         assert largest.released == pytest.approx(its.released, rel=1e-2)
 
 
-@pytest.mark.parametrize("solver", ["superlu", "pardiso"])
-def test_sparse_solvers_follow_the_same_branch(swayed, solver):
-    if solver == "pardiso":
-        pytest.importorskip("pypardiso")
-    sparse = sm.analyze(flat_door(solver=solver))
-    assert sparse.converged
-    assert all(step.stable for step in sparse.path.steps)
-    np.testing.assert_allclose(sparse.reaction, swayed.reaction, atol=1e-5)
-    for mine, its in zip(sparse.critical_points, swayed.critical_points, strict=True):
-        assert mine.travel == pytest.approx(its.travel, abs=0.01)
-
-
 @pytest.fixture(scope="module")
 def beyond(tight):
     """A design that has jumped to the side of the corner door."""

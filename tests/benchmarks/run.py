@@ -14,7 +14,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +29,8 @@ from seal_mdao.analysis.predictor import predict
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.equilibrium.discretization import discretize
-from seal_mdao.equilibrium.linear_solver import BandedStorage
 from seal_mdao.plotting.captions import today
 from seal_mdao.seals.checks import findings
-from seal_mdao.seals.door.door_seal import with_options
 
 PATH_CLOUDS = (58, 3), (58, 5), (116, 5), (174, 7)
 """Radial rows and layers of complete paths."""
@@ -126,7 +123,7 @@ def estimates():
     cases = {
         "58 x 3": {}, "116 x 5": {"rays": 116, "layers": 5}, "6 Gauss points": {"n_gauss": 6},
         "116 x 3, support 4": {"support": 4.0, "rays": 116},
-        "58 x 9, sparse": {"solver": "superlu", "layers": 9},
+        "58 x 9": {"layers": 9},
     }  # fmt: skip
     rows = {}
     for name, changes in cases.items():
@@ -179,11 +176,6 @@ def pressed_steps(seal):
     return np.diff(clock)[touched:], path.newton_iterations[touched + 1 :], path
 
 
-def is_banded(seal):
-    """Whether the solver chosen by default is the banded one."""
-    return isinstance(problem_of(seal).discretization.layout.storage, BandedStorage)
-
-
 def tangent_time(path):
     """Assembly, factorisation and one solution at the end of a path, s."""
     problem, rhs = path.problem, np.ones(path.discretization.layout.n_equations)
@@ -191,20 +183,11 @@ def tangent_time(path):
     return best(lambda: problem.factorize_at(path.steps[-1]).solve(rhs), 3)
 
 
-def sparse_solvers():
-    """Those that are installed."""
-    return ["superlu"] + (["pardiso"] if find_spec("pypardiso") else [])
-
-
-def growth(largest, solver):
+def growth(largest):
     """Times against the number of particles, and the fitted exponents.
 
-    ``solver`` is that of the clouds whose storage is sparse by default.
-
     Load steps of 0.1 mm and their iterations are measured over six steps with the door in contact,
-    without discretisation and first touch. An iteration is Newton's with the banded storage; with a
-    sparse one it is a quasi-Newton iteration, which costs less and of which more are needed: compare
-    load steps. The last kind is one Newton iteration by its parts.
+    without discretisation and first touch. The last kind is one Newton iteration by its parts.
     """
     sizes = []
     rows = {"load step": {}, "iteration": {}, "assembly, factorisation, solution": {}}
@@ -212,12 +195,9 @@ def growth(largest, solver):
         if rays * layers > largest:
             break
         seal = sm.door_seal(rays=rays, layers=layers, start=9.6, depth=0.7, n_steps=8)
-        if not is_banded(seal):
-            seal = with_options(seal, solver=solver)
         runs = [pressed_steps(seal) for _ in range(5 if rays * layers < 5000 else 1)]
         times, iterations, path = min(runs, key=lambda run: run[0].sum())
-        name = "banded" if seal.solver == "auto" else solver
-        cloud = f"{rays} x {layers} particles, {name} (ms)"
+        cloud = f"{rays} x {layers} particles (ms)"
         rows["load step"][cloud] = 1e3 * times.mean()
         rows["iteration"][cloud] = 1e3 * times.sum() / iterations.sum()
         rows["assembly, factorisation, solution"][cloud] = 1e3 * tangent_time(path)
@@ -233,7 +213,7 @@ def growth(largest, solver):
 
 
 def path_growth():
-    """Processor times of analyses of 35 load steps, default solver, and the exponent of their growth.
+    """Processor times of analyses of 35 load steps, and the exponent of their growth.
 
     The exponent is that of the first and the last cloud, log(t_n / t_1) / log(N_n / N_1).
     """
@@ -331,7 +311,7 @@ def main(argv=None):
         "through OpenMDAO": lambda: openmdao_figures(seal),
         '`accuracy="engineering"` beside finite elements': elements_figures,
         "analysis of 35 load steps": path_growth,
-        **{f"growth, {s}": lambda s=s: growth(largest, s) for s in sparse_solvers()},
+        "load steps of seals with many particles": lambda: growth(largest),
         "sensitivities of 8 steps": lambda: shares(largest),
         "start": start_up,
     }

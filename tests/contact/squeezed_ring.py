@@ -28,7 +28,7 @@ def _grid(rays, half):
     return np.arange(places[..., 0].size).reshape(LAYERS, count), places.reshape(-1, 2)
 
 
-def ring_body(rays, half=False, solver="auto"):
+def ring_body(rays, half=False):
     """Held by its symmetry: across the mid-plane on it, sideways at its top and bottom."""
     at, places = _grid(rays, half)
     ends = at[:, :-1] if half else at
@@ -47,7 +47,7 @@ def ring_body(rays, half=False, solver="auto"):
         }
     cells = np.column_stack([c.ravel() for c in corners])
     radius = np.full(at.size, 2.2 * max(2.0 * np.pi * OUTER / rays, (OUTER - INNER) / (LAYERS - 1)))
-    return Body(cells, radius, fixed, edges, nominal=places, solver=solver)
+    return Body(cells, radius, fixed, edges, nominal=places)
 
 
 def _flat(label, body, edge, places, up, penalty=PENALTY):
@@ -62,11 +62,10 @@ def _flat(label, body, edge, places, up, penalty=PENALTY):
 
 def ring(
     kind, rays=64, depth=9.2, steps=46, friction=0.0, turned=False, tolerance=1e-9, bulk=8_000.0,
-    solver="auto",
 ):  # fmt: skip
     """``kind``: "half", "lines" or "itself". Design: wall from the inside, its top and bottom alone."""
     half = kind == "half"
-    body = ring_body(rays, half, solver)
+    body = ring_body(rays, half)
     places = body.nominal
     radius = np.hypot(*places.T)[:, None]
     share, y = (OUTER - radius) / (OUTER - INNER), places[:, 1] / OUTER

@@ -55,7 +55,6 @@ def test_without_friction(frictionless):
 
 
 VARIANTS = {
-    "superlu": {"solver": "superlu"},
     "quadratic basis": {"basis_order": 2},
     "three Gauss points": {"n_gauss": 3},
     "fine": {"accuracy": "fine", "depth": 1.5, "n_steps": 8},

@@ -32,7 +32,7 @@ def ring_particles(axis=None):
     return own.reshape(-1, 2) + np.array([axis or 0.0, 0.0])
 
 
-def ring_body(solver="auto", axis=None):
+def ring_body(axis=None):
     at = np.arange(RAYS * LAYERS).reshape(LAYERS, RAYS)
     following = np.roll(at, -1, axis=1)
     corners = at[:-1], at[1:], following[1:], following[:-1]
@@ -42,7 +42,7 @@ def ring_body(solver="auto", axis=None):
     cells = np.column_stack([c.ravel() for c in corners])
     nominal = ring_particles(axis)
     return Body(
-        cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal, solver=solver,
+        cells, np.full(at.size, 2.4), fixed, edges, nominal=nominal,
         axisymmetric=axis is not None,
     )  # fmt: skip
 
@@ -66,13 +66,13 @@ def change_of_residual(result, rng) -> tuple:
 
 
 def air_ring(
-    sealed=True, friction=0.3, back=False, solver="auto", depth=1.2, finer=1, shear=0.4, rest=None,
+    sealed=True, friction=0.3, back=False, depth=1.2, finer=1, shear=0.4, rest=None,
     axis=None, **air,
 ):  # fmt: skip
     """Design: thickness of the wall, an egg-shaped hole, one side of the hole. ``rest``: seconds of a
     dwell between the two stages; ``axis``: distance of the middle from the axis of a body of
     revolution."""
-    particles, body = ring_particles(), ring_body(solver, axis)
+    particles, body = ring_particles(), ring_body(axis)
     radius = np.hypot(*particles.T)[:, None]
     away, (x, y) = particles / radius, particles.T
     share = (OUTER - radius) / (OUTER - INNER)

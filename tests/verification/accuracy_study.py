@@ -66,9 +66,7 @@ LAYERS = (3, 4, 5, 7)
 PRODUCT, ROUND = (1.8, 2.5), 2.0
 BY_CELL = {"support": ROUND}, {"support": PRODUCT}
 ENGINEERING = {
-    name: value
-    for name, value in ACCURACIES["engineering"].items()
-    if name not in ("n_steps", "solver")
+    name: value for name, value in ACCURACIES["engineering"].items() if name != "n_steps"
 }
 WIDE = {name: value for name, value in ENGINEERING.items() if name != "layers"}
 THROUGH = WIDE | {"support": PRODUCT, "basis_order": 1}, WIDE | {"basis_order": 1}, WIDE

@@ -107,5 +107,5 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
         *(table.raw for table, own in zip(tables, couples, strict=True) if table and own),
     ]
     equations = equation_numbers(body.fixed, every, disc.transformation)
-    layout = tangent_layout(equations, every, disc.transformation, body.solver)
+    layout = tangent_layout(equations, every, disc.transformation)
     return replace(disc, cells=cells, tables=tuple(tables), couples=couples, layout=layout)

@@ -8,7 +8,6 @@ import numpy as np
 from seal_mdao import values
 from seal_mdao.analysis.newton import NewtonOptions
 from seal_mdao.contact.friction import FRICTION_HISTORIES, ContactLaw
-from seal_mdao.equilibrium.linear_solver import SOLVERS
 from seal_mdao.geometry.motion import Motion, increases_to_one, straight_motion
 from seal_mdao.geometry.profile import PROFILE_EXTENT
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
@@ -139,8 +138,6 @@ class DoorOptions:
     step_ends : tuple of float, or None
         Ends of the load steps as fractions of the path, the last one 1; None for equal steps.
     newton : NewtonOptions
-    solver : {"auto", "banded", "superlu", "pardiso"}
-        "auto": the band where it is narrow, else PARDISO where pypardiso is installed, else SuperLU.
     """
 
     rays: int = _option(BASE_RAYS, _integer(BASE_RAYS, 40 * BASE_RAYS))
@@ -173,7 +170,6 @@ class DoorOptions:
     n_steps: int = _option(105, _integer(1, 10**9))
     step_ends: tuple | None = None
     newton: NewtonOptions = field(default_factory=NewtonOptions)
-    solver: str = _option("auto", _one_of(*SOLVERS))
 
     @property
     def radius(self) -> float:

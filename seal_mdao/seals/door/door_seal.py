@@ -54,11 +54,10 @@ PARAMETERS = {
 ACCURACIES = {
     "paper": {},
     "engineering": {
-        "layers": 4, **WALL_SCHEMES["engineering"]._asdict(), "n_steps": 20, "solver": "banded",
+        "layers": 4, **WALL_SCHEMES["engineering"]._asdict(), "n_steps": 20,
     },
     "fine": {
         "rays": 2 * BASE_RAYS, "layers": 5, **WALL_SCHEMES["fine"]._asdict(), "n_steps": 42,
-        "solver": "banded",
     },
 }  # fmt: skip
 """Options that decide the discretisation, by the name of the accuracy."""
@@ -238,7 +237,6 @@ def _body(options: DoorOptions, particles: np.ndarray) -> Body:
         nominal=particles,
         basis_order=options.basis_order,
         n_gauss=grid.along_cells(options.n_gauss),
-        solver=options.solver,
         column=grid.column(options.pressure),
     )
 

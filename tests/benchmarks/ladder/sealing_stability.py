@@ -82,8 +82,7 @@ def stability(file: Path, spacing: float) -> dict:
     )
     n = result.path.discretization.layout.n_equations
     values = [
-        nearest_mode(result.path.nominal_steps[k].factor.exact(), n, True)[0]
-        for k in (0, STEPS // 2 - 1)
+        nearest_mode(result.path.nominal_steps[k].factor, n, True)[0] for k in (0, STEPS // 2 - 1)
     ]
     return {
         "complete": file == COMPLETE,
