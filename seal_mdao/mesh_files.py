@@ -4,7 +4,7 @@ from importlib import import_module
 
 import numpy as np
 
-MISSING = "meshes need meshio, which is not installed: pip install seal_mdao[vtk]"
+MISSING = "meshes and VTU files need meshio, which is not installed: pip install seal_mdao[vtk]"
 
 
 def library():

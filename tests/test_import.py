@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from importlib import metadata
-from pathlib import Path
 
 import pytest
 
@@ -68,20 +67,6 @@ def test_importing_the_package_is_light():
     heavy = ("openmdao", "numba", "scipy", "matplotlib", "numpy", "tqdm")
     code = "import seal_mdao, sys, json; print(json.dumps([n for n in {} if n in sys.modules]))"
     assert run(code.format(heavy)) == []
-
-
-def test_seal_of_a_file_needs_no_optimisation_or_interpolation_of_scipy():
-    """Their import takes a fifth of a second; the example has B-splines as design parameters."""
-    example = Path(__file__).parents[1] / "examples" / "d_bulb.toml"
-    code = f"""
-import json, sys
-from seal_mdao.seals.file.build import unchosen_seal
-from seal_mdao.seals.file.read import read_seal_file
-seal = unchosen_seal(read_seal_file({str(example)!r}))
-print(json.dumps([seal.n_offsets > 0, [
-    name for name in ("scipy.interpolate", "scipy.optimize") if name in sys.modules]]))
-"""
-    assert run(code) == [True, []]
 
 
 def test_every_public_name_can_be_loaded():

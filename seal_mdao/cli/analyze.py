@@ -30,6 +30,7 @@ from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
 from seal_mdao.export.abaqus import require_exportable, write_abaqus
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
+from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.conditions import conditions_text
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
@@ -49,8 +50,12 @@ END_KEYS = (
 
 
 def main(arguments) -> int:
+    # an explicit --vtu without meshio fails before the analysis
+    with file_errors(arguments.file):
+        if arguments.vtu:
+            library()
     file = file_of(arguments.file)
-    # a material that Abaqus does not have fails before the analysis
+    # so does a material that Abaqus does not have
     if arguments.abaqus:
         require_exportable(file)
     clouds = []
@@ -81,10 +86,7 @@ def main(arguments) -> int:
         write_curves(result, arguments.out)
         write_contact(result, arguments.out)
         draw(result, arguments.out, estimates)
-    series = ""
-    if arguments.vtu:
-        written = vtu.write_vtu_series(result, arguments.out / "vtu")
-        series = f", {written.relative_to(arguments.out)}"
+    series = write_series(result, arguments)
     print(f"figures, CSV and summary.json in {arguments.out}{series}")
     if arguments.abaqus:
         export_to_abaqus(file, result.seal, arguments.out / "seal.inp")
@@ -279,6 +281,18 @@ def draw(result: SealResult, out: Path, estimates: dict | None = None) -> None:
         plotting.save(figure(result), out / f"{name}.png")
 
 
+def write_series(result: SealResult, arguments) -> str:
+    """Write the VTU series unless it was declined; return a text about it for the last line."""
+    # --no-vtu
+    if arguments.vtu is False:
+        return ""
+    try:
+        return f", {vtu.write_vtu_series(result, arguments.out / 'vtu').relative_to(arguments.out)}"
+    except ImportError:
+        # meshio is optional: say how to install it
+        return "; no VTU files: pip install seal_mdao[vtk]"
+
+
 def export_to_abaqus(file, seal, path: Path) -> None:
     """Write the input file of Abaqus, and print what it does not contain."""
     for text in write_abaqus(file, seal, path):
@@ -376,8 +390,9 @@ def arguments_parser():
     )
     made.add_argument("file", type=Path, metavar="FILE", help="seal file (TOML)")
     made.add_argument(
-        "--vtu", action=argparse.BooleanOptionalAction, default=True,
-        help="write VTU files of all load steps for ParaView",
+        "--vtu", action=argparse.BooleanOptionalAction, default=None,
+        help="write VTU files of all load steps for ParaView; default: written if meshio is "
+        "installed",
     )  # fmt: skip
     made.add_argument(
         "--errors", action="store_true",

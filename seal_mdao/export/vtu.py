@@ -1,12 +1,11 @@
-"""Export of the deformed section of every load step to ParaView."""
+"""Export of the deformed section of every load step to ParaView, with meshio (extra ``vtk``)."""
 
 import json
 from pathlib import Path
 
 import numpy as np
 
-from seal_mdao.export.vtu_file import write_vtu
-from seal_mdao.mesh_files import cell_blocks, flat
+from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.seals.profiles import contacts, nominal_pressure, true_pressure
 
 PRESSURES = ("pressure", "nominal_pressure")
@@ -32,8 +31,13 @@ def write_vtu_series(result, folder) -> Path:
     -------
     Path
         ``steps.vtu.series``, which lists all files with their step number as time.
+
+    Raises
+    ------
+    ImportError
+        Without meshio.
     """
-    folder = Path(folder)
+    meshio, folder = library(), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     points = flat(result.particles)
     cells = [(kind, corners) for kind, corners, _ in cell_blocks(result.seal.body.cells)]
@@ -41,7 +45,7 @@ def write_vtu_series(result, folder) -> Path:
     for number in range(len(result.path.nominal_steps) + 1):
         name = f"step_{number:04d}.vtu"
         data = _no_data(result) if number == 0 else point_data(result, number - 1)
-        write_vtu(folder / name, points, cells, data)
+        meshio.Mesh(points, cells, point_data=data).write(folder / name)
         files.append({"name": name, "time": number})
     series = folder / "steps.vtu.series"
     text = json.dumps({"file-series-version": "1.0", "files": files}, indent=1)

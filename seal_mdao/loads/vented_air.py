@@ -33,7 +33,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy
+from scipy.optimize import brentq
 
 from seal_mdao import values
 from seal_mdao.geometry.polygon import polygon_area
@@ -416,5 +416,4 @@ def density(left: float, mass: float, kappa: float, gamma: float) -> float:
     # no flow, up to rounding
     if kappa == 0.0 or beyond == 0.0 or (beyond > 0.0) != (sealed > 0.0):
         return sealed
-    bounds = sorted((0.0, sealed))
-    return scipy.optimize.brentq(residual, *bounds, xtol=1e-300, rtol=_PRECISION, maxiter=1000)
+    return brentq(residual, *sorted((0.0, sealed)), xtol=1e-300, rtol=_PRECISION, maxiter=1000)

@@ -171,19 +171,20 @@ def test_triangles_repeat_a_corner_anywhere():
     assert [numbers.tolist() for *_, numbers in found] == [[0], [1, 2, 3]]
 
 
-def test_vtu_files_need_no_meshio_and_can_be_left_out(tmp_path, run_script, monkeypatch):
+def test_without_meshio(tmp_path, run_script, monkeypatch, capsys):
     def missing(name):
         raise ImportError(name)
 
     monkeypatch.setattr(mesh_files, "import_module", missing)
     path = written(tmp_path, {"steps = 4": "steps = 1", "-1.2": "-0.2", "steps = 2": "steps = 1"})
-    code, s = run_script("analyze", tmp_path / "vtu", path)
+    code, _ = run_script("analyze", tmp_path / "asked", path, "--vtu")
+    assert code == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "seal_mdao[vtk]" in line
+    code, s = run_script("analyze", tmp_path / "left_out", path)
     assert code == 0
+    assert "seal_mdao[vtk]" in capsys.readouterr().out
     assert s["true_peak_pressure_kPa"] == 0.0  # it has not been touched
-    assert len(list((tmp_path / "vtu" / "vtu").glob("step_*.vtu"))) == 1 + s["n_steps"]
-    code, _ = run_script("analyze", tmp_path / "none", path, "--no-vtu")
-    assert code == 0
-    assert not (tmp_path / "none" / "vtu").exists()
 
 
 def test_path_that_fails_is_written_as_far_as_it_went(tmp_path, run_script, assert_drawn, capsys):

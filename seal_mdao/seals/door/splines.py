@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from seal_mdao import values
-from seal_mdao.seals.b_spline_basis import b_spline_values
 from seal_mdao.seals.door.section import RingGrid, Section
 
 DEGREE = 3
@@ -28,7 +28,7 @@ def clamped_basis(angle: np.ndarray, count: int, first: float, last: float) -> n
     interior = np.linspace(first, last, count + 2 - DEGREE + 1)
     knots = np.concatenate([[first] * DEGREE, interior, [last] * DEGREE])
     inside = np.clip(angle, first, last)
-    return b_spline_values(inside, knots, DEGREE)[:, 1:-1]
+    return scipy.interpolate.BSpline.design_matrix(inside, knots, DEGREE).toarray()[:, 1:-1]
 
 
 def periodic_basis(angle: np.ndarray, count: int) -> np.ndarray:
@@ -37,7 +37,7 @@ def periodic_basis(angle: np.ndarray, count: int) -> np.ndarray:
     knots = step * np.arange(-DEGREE, count + DEGREE + 1)
     # angles in one period [2 h, 2 pi + 2 h) of the uniform knots k h
     wrapped = np.mod(np.asarray(angle) + 2 * step, 2 * np.pi)
-    open_values = b_spline_values(wrapped, knots, DEGREE)
+    open_values = scipy.interpolate.BSpline.design_matrix(wrapped, knots, DEGREE).toarray()
     # N_j + N_(j + count): the functions that leave the period at its end enter at its start
     values = open_values[:, :count].copy()
     values[:, :DEGREE] += open_values[:, count:]

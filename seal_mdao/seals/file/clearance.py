@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from seal_mdao.contact.kinematics import closest_point
 from seal_mdao.errors import SealFileError
 from seal_mdao.geometry.pose import in_frame
 from seal_mdao.seals.file.profile_table import motion_of, rigid_profile_of
-from seal_mdao.seals.least_value import least_between
 from seal_mdao.seals.outline.segments import pair
 
 ROUNDING = 1e-9
@@ -166,9 +166,12 @@ def _nearest_of(segment, gap, sagitta) -> Nearest:
     def at(fraction):
         return gap(*segment.points([fraction])[0])
 
-    # g at the ends of chords, then its minimum between the neighbours of the least
+    # g at the ends of chords, then its minimum by Brent's method between the neighbours of the least
     fractions = segment.chords(sagitta)
     k = int(np.argmin([at(s) for s in fractions]))
     beside = fractions[max(k - 1, 0)], fractions[min(k + 1, len(fractions) - 1)]
-    best = min(fractions[k], least_between(at, *beside), key=at)
+    between = scipy.optimize.minimize_scalar(
+        at, bounds=beside, method="bounded", options={"xatol": 1e-10}
+    ).x
+    best = min(fractions[k], between, key=at)
     return Nearest(at(best), segment.points([best])[0], segment.edge)

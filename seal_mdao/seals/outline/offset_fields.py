@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from seal_mdao.geometry.polygon import from_sides
-from seal_mdao.seals.b_spline_basis import b_spline_values
 from seal_mdao.seals.outline.boundary_path import SAME, BoundaryPath, MirrorPlane
 from seal_mdao.seals.outline.segments import pair
 
@@ -187,14 +187,14 @@ def _basis(part: _Part, path: BoundaryPath, count: int, along=None) -> np.ndarra
     inside = (s >= -SAME) & (s <= size + SAME)
     values = np.zeros((s.size, count + before + after))
     at = np.clip(s[inside], 0.0, size)
-    values[inside] = b_spline_values(at, knots, DEGREE)
+    values[inside] = scipy.interpolate.BSpline.design_matrix(at, knots, DEGREE).toarray()
     return values[:, int(before) : values.shape[1] - int(after)]
 
 
 def _periodic(s, count) -> np.ndarray:
     """Evaluate periodic B-splines at fractions ``s`` of the loop; number j is largest at j / count."""
     knots = np.arange(-DEGREE, count + DEGREE + 1) / count
-    values = b_spline_values(s, knots, DEGREE)
+    values = scipy.interpolate.BSpline.design_matrix(s, knots, DEGREE).toarray()
     # splines that leave the interval at its end enter it at the beginning: add the two parts
     found = values[:, :count].copy()
     found[:, :DEGREE] += values[:, count:]

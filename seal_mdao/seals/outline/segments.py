@@ -9,9 +9,9 @@ from functools import cached_property
 from math import ceil, hypot, sqrt
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.least_value import least_between
 
 MOST_CHORDS = 20_000
 """Largest number of chords of one segment; the curvature of a spline may be unbounded."""
@@ -101,16 +101,15 @@ class Segment:
 
     def nearest(self, point) -> tuple[float, float]:
         """Find the fraction of the arc length nearest to a point, and the distance, mm."""
-        # the nearest of many points, then the minimum between its neighbours
+        # the nearest of many points, then Brent's method between its neighbours
         s = np.linspace(0.0, 1.0, 64 * self.sides + 1)
         place = int(np.hypot(*(self.points(s) - point).T).argmin())
         around = s[max(place - 1, 0)], s[min(place + 1, s.size - 1)]
-
-        def away(at):
-            return float(np.hypot(*(self.points([at])[0] - point)))
-
-        found = float(least_between(away, *around, within=1e-12))
-        return found, away(found)
+        found = minimize_scalar(
+            lambda at: float(((self.points([at])[0] - point) ** 2).sum()),
+            bounds=around, method="bounded", options={"xatol": 1e-12},
+        )  # fmt: skip
+        return float(found.x), float(np.sqrt(found.fun))
 
     def named(self, edge: str) -> "Segment":
         """Return the segment with another edge name."""
