@@ -275,9 +275,11 @@ def _crossed(samples: EvaluationPoints) -> tuple:
 
 def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> str:
     """Name the edges that cross at the deepest overlap, and say what to do: contact between all edges
-    that cross without it, or a stiffer contact where there is one."""
+    that cross without it, a stiffer contact where there is one, or a rounder corner where it leaves out
+    neighbours."""
     # names of the edges of both sides, at the deepest overlap and wherever there is no contact
-    match _edges_of(samples, sides[worst]):
+    crossed = _edges_of(samples, sides[worst])
+    match crossed:
         case []:
             which = "the parts of the boundary there"
         case [edge]:
@@ -296,6 +298,14 @@ def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> st
         for term in _contacts_with_itself(samples)
         if np.isin(edge.particles, term.where.at_particles).all()
     ]
+    # in contact with each other, but for points that are neighbours along the boundary
+    listed_pairs = any(term.pair_of is not None for term in _contacts_with_itself(samples))
+    if crossed and set(crossed) <= set(known) and not listed_pairs:
+        return (
+            f"the self-contact between {which} leaves out points that are close to each other along "
+            "the boundary, as at the vertex of a notch; round the corner there, use a smaller particle "
+            "spacing on these edges (edge_spacing of [section]), or less travel"
+        )
     missing = [name for pair in sides[~touching] for name in _edges_of(samples, pair)]
     listed = ", ".join(f'"{name}"' for name in dict.fromkeys([*known, *missing]))
     return (

@@ -82,6 +82,33 @@ def test_a_crossing_despite_contact_does_not_ask_for_contact(deep, monkeypatch):
     assert "no self-contact" not in text
 
 
+def test_a_crossing_of_neighbours_in_self_contact_does_not_ask_for_contact(deep, monkeypatch):
+    """The wall is in contact with itself, but for points that are close along the boundary."""
+    cavity = deep.path.discretization.body.edges["cavity"].particles
+
+    def term(pair_of):
+        return SimpleNamespace(
+            where=SimpleNamespace(at_particles=cavity),
+            pair_of=pair_of,
+            gaps=lambda x: (np.empty(0, int), np.empty(0)),
+        )
+
+    def said(pair_of):
+        monkeypatch.setattr(checks, "_contacts_with_itself", lambda samples: [term(pair_of)])
+        monkeypatch.setattr(
+            checks, "_allowed_depth",
+            lambda samples, sides: (np.zeros(len(sides)), np.zeros(len(sides), bool)),
+        )  # fmt: skip
+        path = replace(deep.path)
+        (text,) = [t for t in impossible(replace(deep, path=path)) if "crosses itself" in t]
+        return text
+
+    assert "the self-contact between parts of the edge 'cavity' leaves out points" in said(None)
+    assert "round the corner there" in said(None)
+    # where pairs of edges are listed, this one may be missing
+    assert "no self-contact is defined" in said(np.zeros((1, 1), int))
+
+
 def test_no_energy_is_given_for_a_jump_into_a_crossing(deep):
     """The wall has no contact with itself where it lies after the jump."""
     jump = SimpleNamespace(
