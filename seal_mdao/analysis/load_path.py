@@ -6,9 +6,9 @@ Every increment goes through the same list, each entry only where those before i
 2. Where walls of the body face each other: mixed iterations from a predictor that satisfies their
    contact law (``linear_contact``).
 3. The predictors (``predictor.predictors``): with the points that begin to touch, then without them.
-4. From each of them the correctors (``corrected``): quasi-Newton iterations with the last factor, for
-   large clouds; Newton's method; mixed iterations, for stiff contact. Where only profiles hold the
-   body, none touches it yet and Newton's method cycles, also from the mean of the cycle.
+4. From each of them the correctors (``corrected``): Newton's method; mixed iterations, for stiff
+   contact. Where only profiles hold the body, none touches it yet and Newton's method cycles, also
+   from the mean of the cycle.
 5. Damped motion, where Newton's method cycles between stick and slip and the increment ends a nominal
    step.
 6. Half of the increment, until it is the smallest one.

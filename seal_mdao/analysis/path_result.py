@@ -41,7 +41,7 @@ class ConvergedStep:
     responses : tuple of Response
         Response of every term at ``d``.
     iterations : int
-        Number of iterations, quasi-Newton ones and those of attempts given up included.
+        Number of iterations, those of attempts given up included.
     residuals : tuple of float
         Relative residual before each iteration, and at the end.
     factor : object

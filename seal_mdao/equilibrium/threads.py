@@ -1,6 +1,6 @@
 """Limit BLAS to one thread during analyses and sensitivities.
 
-Bands of a few hundred unknowns gain nothing from threads, are slowed down when several runs share a
+Matrices of a few hundred unknowns gain nothing from threads, are slowed down when several runs share a
 machine, and their rounding would depend on the number of threads.
 """
 
@@ -57,8 +57,7 @@ class OneBlasThread(ContextDecorator):
         if of_process:
             _take_control(self._libraries)
             self._of_process.append(self._shared.limit(limits=1))
-        if getattr(self._of_thread, "depth", 0):
-            self._of_thread.limits.append(self._own.limit(limits=1))
+        self._of_thread.limits.append(self._own.limit(limits=1))
 
 
 def _restore(limits: list) -> None:

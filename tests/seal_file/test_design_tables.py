@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exact_gradients import require_exact
 
 import seal_mdao as sm
 from seal_mdao.cli.design_table import design_lines
@@ -198,18 +199,9 @@ def test_the_derivative_of_the_area_is_exact(designed):
 
 
 def test_direct_and_adjoint_agree_and_are_the_quotients(designed):
-    _, seal, offsets, result = designed
-    direct, adjoint = (sm.differentiate(result, method=m) for m in ("direct", "adjoint"))
-    way = np.random.default_rng(3).uniform(-1.0, 1.0, seal.n_offsets)
+    *_, result = designed
     for step in (1e-4, 5e-5):
-        sides = [sm.analyze(seal, offsets + k * step * way) for k in (-2, -1, 1, 2)]
-        for name in ("reaction", "stress_norm"):
-            size = np.abs(direct[name]).max()
-            np.testing.assert_allclose(direct[name], adjoint[name], rtol=0.0, atol=1e-9 * size)
-            values = [side.value(result.measure(name))[0] for side in sides]
-            quotient = np.array([1.0, -8.0, 8.0, -1.0]) @ values / (12.0 * step)
-            exact = (np.atleast_2d(direct[name])[:, : seal.n_offsets] @ way).item()
-            assert quotient == pytest.approx(exact, rel=1e-5), name
+        require_exact(result, ("reaction", "stress_norm"), step)
 
 
 def test_a_design_as_a_file_is_the_design_and_has_its_parameters(designed, tmp_path):

@@ -49,11 +49,11 @@ def coarsest_notch(boundaries, loops, radius: np.ndarray) -> Notch | None:
     radius : ndarray, shape (n,)
         Support radii, mm.
     """
-    found = [
-        Notch(boundary.points[at], float(_void_angles(boundary)[at]), float(radius[loop[at]]))
-        for boundary, loop, own in zip(boundaries, loops, notch_vertices(boundaries), strict=True)
-        for at in own
-    ]
+    found = []
+    for boundary, loop in zip(boundaries, loops, strict=True):
+        angle = _void_angles(boundary)
+        for at in np.flatnonzero(angle < NARROW):
+            found.append(Notch(boundary.points[at], float(angle[at]), float(radius[loop[at]])))
     return max(found, key=lambda own: own.reach, default=None)
 
 

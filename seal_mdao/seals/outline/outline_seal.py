@@ -152,9 +152,10 @@ class OutlineSeal(Seal):
 
     def _narrow_notch(self) -> tuple[str, ...]:
         notch = coarsest_notch(self.boundaries, self.loops, self.body.support_radius)
+        if notch is None:
+            return ()
         # particles that a spacing places are close enough to each other there
-        longest = longest_side(self.body.cells, self.nominal_particles)
-        if notch is None or notch.reach <= CLOSE * longest:
+        if notch.reach <= CLOSE * longest_side(self.body.cells, self.nominal_particles):
             return ()
         x, y = np.round(notch.place, 6) + 0.0
         return (
