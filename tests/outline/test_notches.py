@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -190,6 +191,20 @@ def test_corners_of_holes_are_notches(tmp_path):
     assert notch.place == pytest.approx([5.0, 4.2])
     assert notch.angle == pytest.approx(2.0 * np.arctan(1.0 / 3.2))
     assert notch.reach == seal.body.support_radius[seal.loops[1][own[0]]]
+
+
+def test_of_several_notches_the_coarsest_is_reported():
+    """Both corners have 37 degrees of void; supports at the second one are larger."""
+    notched_at = np.array([[-3.0, 1.0], [3.0, 1.0]]) / np.sqrt(10.0)
+    straight = np.array([[1.0, 0.0], [1.0, 0.0]])
+    boundary = SimpleNamespace(
+        points=np.array([[0.0, 0.0], [4.0, 1.0], [8.0, 2.0]]),
+        tangent=np.stack([straight, notched_at, notched_at]),
+    )
+    narrow = [own.tolist() for own in notch_vertices([boundary])]
+    assert narrow == [[1, 2]]
+    notch = coarsest_notch([boundary], [np.array([2, 0, 1])], np.array([0.1, 0.7, 9.0]))
+    assert (notch.place.tolist(), notch.reach) == ([8.0, 2.0], 0.7)
 
 
 def test_the_force_on_a_bulb_beside_a_notch_is_that_of_finite_elements(tmp_path):
