@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_array
 
-from seal_mdao import values
 from seal_mdao.contact.boundary_curve import (
     N_PLACES,
     NODES,
@@ -41,6 +40,9 @@ from seal_mdao.terms.term import ReleasedEnergy, TermDefinition
 SHARED = 0.5
 """Fraction of the penalties of each of the two passes."""
 
+NEIGHBOURS = 3
+"""Points up to so many sides apart along one boundary do not touch each other: they are always close."""
+
 LARGEST_CHANGE = 3.0
 """Largest slip in an increment, in segments, with which a point keeps its history."""
 
@@ -58,10 +60,8 @@ class SelfContact(TermDefinition):
     touching : ndarray of bool, shape (k,)
         Which of the particles of all loops, one after the other, may touch.
     nominal : ndarray, shape (n, 2)
-        Particles of the nominal body, which decide what is near along the boundary.
+        Particles of the nominal body, whose walls limit the penetration.
     law : ContactLaw
-    apart : float
-        Points at a smaller distance along the nominal boundary are not paired, mm.
     edge_of : ndarray of int, shape (k,), or None
         Edge of every particle, e for none, for friction by pairs of edges.
     pair_of : ndarray of int, shape (e + 1, e + 1), or None
@@ -70,7 +70,7 @@ class SelfContact(TermDefinition):
     Raises
     ------
     ValueError
-        For a law, a distance or arrays that are not admissible.
+        For a law or arrays that are not admissible.
     """
 
     label: str
@@ -78,13 +78,11 @@ class SelfContact(TermDefinition):
     touching: np.ndarray
     nominal: np.ndarray
     law: ContactLaw
-    apart: float
     edge_of: np.ndarray | None = None
     pair_of: np.ndarray | None = None
 
     def __post_init__(self):
         self.law.check(self.label)
-        values.real(f"apart of {self.label!r}", self.apart, above=0.0)
         if min(map(len, self.loops), default=0) < NODES:
             raise ValueError(
                 f"every closed boundary (loop) of the self-contact {self.label!r} needs at least "
@@ -118,24 +116,27 @@ class SelfContact(TermDefinition):
         return self.where.points
 
     def may_touch(self) -> np.ndarray:
-        """Return which points may touch the boundary near which points, shape (k, k)."""
+        """Return which points may touch the boundary near which points, shape (k, k).
+
+        Neighbours within ``NEIGHBOURS`` sides along a boundary may not.
+        """
         # both points may touch and are not neighbours on one boundary
         found = np.outer(self.touching, self.touching)
         if self.pair_of is not None:
             found &= self.pair_of[np.ix_(self.edge_of, self.edge_of)] >= 0
         first = 0
         for loop in self.loops:
-            side = np.linalg.norm(self.nominal[loop] - self.nominal[np.roll(loop, 1)], axis=1)
-            along, perimeter = np.cumsum(side), side.sum()
-            # distance along the closed loop, the shorter of both
-            between = np.abs(along[:, None] - along)
+            # sides between two points of the closed loop, in the shorter direction
+            number = np.arange(len(loop))
+            between = np.abs(number[:, None] - number)
             own = slice(first, first + len(loop))
-            found[own, own] &= np.minimum(between, perimeter - between) > self.apart
+            found[own, own] &= np.minimum(between, len(loop) - between) > NEIGHBOURS
             first += len(loop)
         return found
 
     def reach(self) -> float:
-        """Largest penetration in contact, mm: half of the thinnest wall with sides that may touch."""
+        """Largest penetration in contact, mm: half of the thinnest wall with sides that may touch;
+        infinite where there is none."""
         x, ring = (
             self.nominal[np.concatenate(self.loops)],
             rings([len(loop) for loop in self.loops]),
@@ -145,7 +146,7 @@ class SelfContact(TermDefinition):
         behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
         through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
         i, j = np.nonzero(through)
-        return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=2.0 * self.apart))
+        return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=np.inf))
 
     def pairs(self):
         """Return the pairs of points with particles of segments that they may touch, and of those

@@ -92,4 +92,4 @@ def itself(body, friction, turned=False):
     hole = np.roll(hole, len(hole) // 2 + 3) if turned else hole
     touching = np.isin(hole, np.concatenate([body.edge(n).particles for n in ("upper", "lower")]))
     law = ContactLaw(0.5 * PENALTY, 0.05 * PENALTY, friction, True)
-    return SelfContact("hole", (hole,), touching, body.nominal, law, apart=6.0)
+    return SelfContact("hole", (hole,), touching, body.nominal, law)

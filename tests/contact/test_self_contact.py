@@ -254,7 +254,7 @@ def test_a_section_that_overlaps_itself_is_refused():
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"apart": 0.0}, "apart of 'hole'"), ({"loops": (np.arange(5),)}, "at least 7 particles"),
+        ({"loops": (np.arange(5),)}, "at least 7 particles"),
         ({"touching": np.ones(3, bool)}, "one entry for each of the"),
         ({"law": ContactLaw(0.0, 1.0, 0.0, True)}, "normal_penalty of 'hole'"),
         ({"law": ContactLaw(1.0, 1.0, -1.0, True)}, "friction of 'hole'"),
@@ -263,7 +263,7 @@ def test_a_section_that_overlaps_itself_is_refused():
 def test_a_bad_contact_is_refused(changed, words):
     good = {
         "label": "hole", "loops": (np.arange(20),), "touching": np.ones(20, bool),
-        "nominal": np.zeros((20, 2)), "law": ContactLaw(1.0, 1.0, 0.0, True), "apart": 1.0,
+        "nominal": np.zeros((20, 2)), "law": ContactLaw(1.0, 1.0, 0.0, True),
     }  # fmt: skip
     with pytest.raises(ValueError, match=words):
         SelfContact(**{**good, **changed})

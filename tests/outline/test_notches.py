@@ -17,6 +17,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import ended_at
+from seal_mdao.seals.checks import crosses_itself
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.outline import section_cloud
 from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
@@ -55,6 +56,11 @@ type = "reaction"
 [[measure]]
 type = "stress_norm"
 """
+MOVED_VERTEX = """
+[[design]]
+vertex = [5.0, 3.0]
+bound = 0.5
+"""
 FINITE_ELEMENTS = Path(__file__).parents[1] / "verification/references/notched_bulb.json"
 BULB = """
 [material.bulb]
@@ -91,6 +97,66 @@ start = [0, 14]
 stage = [{ translate = [0, -1], steps = 2 }]
 """
 """Right half of a foam bulb on a clip; the notch between bulb and clip has 24 degrees."""
+
+CLOSING = """
+[material.rubber]
+shore_a = 60
+[section]
+material = "rubber"
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[0, 0], [10, 0]] },
+  { edge = "right", line = [[10, 0], [10, 6]] },
+  { edge = "top", line = [[10, 6], [5.5289809, 6], [5, 3], [4.4710191, 6], [0, 6]] },
+  { edge = "left", line = [[0, 6], [0, 0]] },
+]
+[fixed]
+edges = ["right"]
+[[moved]]
+edges = ["left"]
+stage = [{ translate = [0.8, 0.0], steps = 5 }]
+[self_contact]
+edges = ["top"]
+friction = 0.0
+normal_penalty = 1e5
+[[measure]]
+type = "reaction"
+edges = ["left"]
+component = "x"
+"""
+HALF = """
+[material.rubber]
+shore_a = 60
+[section]
+material = "rubber"
+spacing = 1.0
+edge_spacing = { top = 0.2 }
+outer = [
+  { edge = "base", line = [[0, 0], [5, 0]] },
+  { edge = "middle", line = [[5, 0], [5, 3]] },
+  { edge = "top", line = [[5, 3], [4.4710191, 6], [0, 6]] },
+  { edge = "left", line = [[0, 6], [0, 0]] },
+]
+[[symmetry]]
+edges = ["middle"]
+normal = "x"
+[[moved]]
+edges = ["left"]
+stage = [{ translate = [0.4, 0.0], steps = 5 }]
+[[profile]]
+name = "middle_plane"
+friction = 0.0
+normal_penalty = 1e5
+contact = ["top"]
+line = [[-30, 0], [30, 0]]
+start = [5, 3]
+angle = -90
+[[measure]]
+type = "reaction"
+edges = ["left"]
+component = "x"
+"""
+"""A block whose notch of 20 degrees closes, and its half whose face closes on the plane of symmetry."""
 
 
 def file_of(tmp_path, text):
@@ -240,6 +306,28 @@ def test_gradients_are_exact_in_a_design_that_moves_the_vertex(tmp_path):
     offsets = np.full(seal.n_offsets, 0.05)
     result = sm.analyze(seal, offsets)
     require_exact(result, ("reaction", "stress_norm"), 1e-4)
+
+
+def test_the_faces_of_a_notch_touch_each_other_close_to_its_vertex(tmp_path):
+    """Excluded are neighbours within three sides; they are small here."""
+    result = sm.analyze(sm.build_seal(file_of(tmp_path, CLOSING)))
+    half = sm.analyze(sm.build_seal(file_of(tmp_path, HALF)))
+    assert result.converged
+    assert half.converged
+    term, response = result.term("self_contact"), result.response("self_contact")
+    away = np.hypot(*(term.reference[response.branch > 0] - [5.0, 3.0]).T)
+    assert away.min() < 0.3
+    force, expected = (float(own.value(own.seal.standard[0])[0]) for own in (result, half))
+    assert force == pytest.approx(expected, rel=0.01)
+    assert not crosses_itself(result.path)
+
+
+def test_gradients_are_exact_where_a_notch_closes(tmp_path):
+    text = CLOSING.replace("friction = 0.0", "friction = 0.3\ntangent_penalty = 1e4")
+    seal = sm.build_seal(file_of(tmp_path, text + MOVED_VERTEX))
+    result = sm.analyze(seal, np.full(seal.n_offsets, 0.05))
+    assert np.count_nonzero(result.response("self_contact").branch > 0) > 5
+    require_exact(result, ("reaction",), 1e-5)
 
 
 def test_new_particles_of_a_design_have_shorter_supports_too(tmp_path):

@@ -28,8 +28,6 @@ from seal_mdao.terms.term import TermDefinition
 
 SELF_CONTACT = "self_contact"
 """Label of the contact of a section with itself."""
-NEIGHBOURS = 3.0
-"""Distance along the boundary, over its longest side, within which points are excluded from contact."""
 MOST_PRESSURE = 1e9
 """kPa."""
 VENTS = ("vent_diameter", "vent_spacing", "closing_speed", "discharge_coefficient")
@@ -236,17 +234,13 @@ class SelfContactTable(Table):
         particles, nominal = section.particles(self.edges), section.body.nominal
         # closest points are looked for on the complete loops
         own = tuple(loop for loop in section.loops if np.isin(loop, particles).any())
-        # neighbours along the boundary are always close: exclude them by their distance along it
-        first, last = section.sides(self.edges).T
-        longest = np.hypot(*(nominal[last] - nominal[first]).T).max()
         touching = np.isin(np.concatenate(own), particles)
         friction, edge_of, pair_of = self.friction, None, None
         if self.pairs:
             friction, pair_of = self._by_pairs()
             edge_of = self._edges_of(section, np.concatenate(own))
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, friction, True)
-        apart = NEIGHBOURS * longest
-        return SelfContact(SELF_CONTACT, own, touching, nominal, law, apart, edge_of, pair_of)
+        return SelfContact(SELF_CONTACT, own, touching, nominal, law, edge_of, pair_of)
 
     def _by_pairs(self) -> tuple[FrictionByGroup, np.ndarray]:
         """Return the laws of the pairs, that of all others last, and the pair of both edges."""
