@@ -15,7 +15,7 @@ from seal_mdao import plotting
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import NAME_OF_FILE, checked_arguments, parser, write_summary
 from seal_mdao.cli.design_table import design_lines
-from seal_mdao.cli.seal_files import file_of, filled
+from seal_mdao.cli.seal_files import file_of, filled, notices
 from seal_mdao.progress import Waiting
 from seal_mdao.seals.outline.design_parameters import design_parameters
 from seal_mdao.seals.profiles import contacts
@@ -72,7 +72,7 @@ def main(arguments) -> int:
     }
     # the same content as printed
     write_summary(arguments.out, summary)
-    report(summary, design_lines(parameters), steps, picture)
+    report(summary, notices(file), design_lines(parameters), steps, picture)
     return 0
 
 
@@ -89,11 +89,12 @@ def choice_seconds(file, seal) -> float:
     return COARSE_TIME * paths * steps * per_step
 
 
-def report(summary: dict, design: list[str], steps: int, picture: Path) -> None:
-    """Print what the file describes."""
+def report(summary: dict, about: list[str], design: list[str], steps: int, picture: Path) -> None:
+    """Print what the file describes; ``about`` and ``design`` are lines of the section and its design
+    parameters."""
     edges = ", ".join(f"{name} ({count} particles)" for name, count in summary["edges"].items())
-    if summary["left_out"]:
-        print(summary["left_out"])
+    for line in about:
+        print(line)
     print(
         f"{summary['n_particles']} particles, {summary['n_cells']} cells, area "
         f"{summary['area_mm2']:.4g} mm²\nedges: {edges}"

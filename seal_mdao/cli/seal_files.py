@@ -16,6 +16,7 @@ from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
+from seal_mdao.seals.outline.sizes import ACROSS
 
 
 @contextmanager
@@ -83,7 +84,7 @@ def seal_of(
     LoadPathError
         When the path on which they are to be chosen cannot be completed.
     """
-    for notice in filter(None, (file.section.notice, file.part)):
+    for notice in notices(file):
         print(notice)
     if unchosen is None and not file.leaves_particles_open:
         unchosen = filled(file)
@@ -103,6 +104,19 @@ def seal_of(
     for line in chosen_lines(file, seal):
         print(line)
     return file, seal
+
+
+def notices(file: SealFile) -> list[str]:
+    """List what of a drawing is left out, which particles a file without spacing has, and which part of
+    a symmetric section it describes; one line each."""
+    default = ""
+    if file.section.default_spacing:
+        default = (
+            f"particles by default: {', '.join(filling_lines(file.section))} in [section], which is "
+            f"1/{ACROSS} of the smaller dimension of the section; `seal-mdao analyze --errors` "
+            "estimates the numerical error"
+        )
+    return [line for line in (file.section.notice, default, file.part) if line]
 
 
 def cloud_line(cloud: Cloud) -> str:

@@ -177,6 +177,18 @@ def test_check_of_a_file_that_leaves_nothing_open(bulb, tmp_path, capsys):
     assert "choosing" not in capsys.readouterr().out
 
 
+def test_check_says_which_particles_a_file_without_spacing_has(bulb, tmp_path, capsys):
+    lines = bulb.read_text().splitlines()
+    path = tmp_path / "short.toml"
+    path.write_text("\n".join(line for line in lines if not line.startswith(("spacing", "layers"))))
+    assert main(["check", str(path), "--out", str(tmp_path / "look")]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("particles by default: spacing = ")
+    assert ", layers = 5 in [section]" in said
+    assert main(["check", str(bulb), "--out", str(tmp_path / "look")]) == 0
+    assert "by default" not in capsys.readouterr().out
+
+
 def test_new_from_a_drawing(tmp_path, monkeypatch):
     """The lowest edge is fixed, the plate is above the others; the drawing lies beside the file."""
     pytest.importorskip("netgen")

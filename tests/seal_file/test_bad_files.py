@@ -251,7 +251,6 @@ BAD = {
     "unknown material": ('material = "rubber"', 'material = "ruber"',
                          "[section]: material = 'ruber', but there is no such material (did you mean"),
     # section
-    "no spacing": (*without("spacing = 0.9\n"), "but has none of them; give for example spacing and"),
     "spacing and cloud": ("spacing = 0.9", 'spacing = 0.9\ncloud = "a.msh"',
                           "but has spacing and cloud; leave out all but one"),
     "spacing zero": ("spacing = 0.9", "spacing = 0.0", "spacing = 0.0, but it must be a number above 0"),

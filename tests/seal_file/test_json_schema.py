@@ -48,7 +48,8 @@ def test_every_key_has_its_meaning_and_its_form():
     """What an editor shows: text and, where it is no table, the form with its units."""
     spacing = SCHEMA["$defs"]["WrittenSection"]["properties"]["spacing"]
     assert spacing["description"] == (
-        "largest distance of neighbouring particles; it is smaller in thin walls"
+        "largest distance of neighbouring particles; it is smaller in thin walls; default 1/12 of the "
+        "smaller dimension of the section"
     )
     assert spacing["title"] == "a number above 0 (mm)"
     for own in SCHEMA["$defs"].values():

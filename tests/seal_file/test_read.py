@@ -385,3 +385,18 @@ def test_a_wall_between_the_sides_of_a_bar(tmp_path):
         ('["seal", "cavity"]', '["seal"]'), ('type = "contact_width"\nprofile = "door"', wall),
     )  # fmt: skip
     assert file.measures[0].edges == ("left",)
+
+
+def test_particles_of_a_file_without_spacing(tmp_path):
+    """The bulb is 15.1 mm wide and 14 mm high."""
+    none = "spacing = 0.9\n"
+    section = changed(tmp_path, (none, "")).section
+    assert section.default_spacing
+    assert section.spacing == pytest.approx(14.0 / 12.0, rel=5e-3)
+    assert section.layers == 5
+    # given layers, and the start of a choice for an accuracy
+    layered = changed(tmp_path, (none, "layers = 4\n")).section
+    assert (layered.spacing, layered.layers) == (section.spacing, 4)
+    chosen = changed(tmp_path, (none, 'accuracy = "1 %"\n')).section
+    assert (chosen.spacing, chosen.layers, chosen.default_spacing) == (section.spacing, 3, False)
+    assert not sm.read_seal_file(BULB).section.default_spacing

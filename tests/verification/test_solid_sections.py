@@ -1,6 +1,7 @@
 """Forces of seal files that leave everything open, against independent finite elements (FElupe)."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from seal_mdao.seals.profiles import leading_motion
 REFERENCES = Path(__file__).parent / "references"
 LARGEST = 0.01
 """Relative error of a force at the particles of the files, beyond the uncertainty of the elements."""
+LARGEST_BY_DEFAULT = 0.025
+"""With the particles that a file without ``spacing`` gets."""
 MOST_UNCERTAIN = 0.005
 """Of the finite elements where they are compared with."""
 SECTIONS = ("half_disc", "o_ring", "bonded_gasket", "half_ring", "rounded_punch")
@@ -37,6 +40,16 @@ def test_forces_at_defaults(name):
     errors, uncertain = force_errors(name, result)
     assert (np.abs(errors) - uncertain).max() <= LARGEST
     assert not any("permit penetration" in text for text in result.warnings)
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_forces_without_spacing(name, tmp_path):
+    text = (REFERENCES / f"{name}.toml").read_text(encoding="utf-8")
+    text, count = re.subn(r"(?m)^spacing = .*\n", "", text)
+    assert count == 1
+    (tmp_path / "seal.toml").write_text(text, encoding="utf-8")
+    errors, uncertain = force_errors(name, sm.analyze(sm.build_seal(tmp_path / "seal.toml")))
+    assert (np.abs(errors) - uncertain).max() <= LARGEST_BY_DEFAULT
 
 
 @pytest.mark.parametrize("name", ["half_disc", "o_ring"])

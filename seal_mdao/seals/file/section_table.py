@@ -31,7 +31,7 @@ from seal_mdao.seals.outline.parting import check_uncrossed, trimmed
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
-from seal_mdao.seals.outline.sizes import start_spacing, unusual_size
+from seal_mdao.seals.outline.sizes import ACROSS, DEFAULT_LAYERS, start_spacing, unusual_size
 from seal_mdao.seals.wall_grid import WALL_SCHEMES
 
 LEAST_LAYERS = {name: own.basis_order + 1 for name, own in WALL_SCHEMES.items()}
@@ -118,7 +118,9 @@ class WrittenSection(Table):
 
     material: Text | None = key("name of a material; optional if the file has only one", None)
     spacing: number("mm", above=0.0) | None = key(
-        "largest distance of neighbouring particles; it is smaller in thin walls", None
+        "largest distance of neighbouring particles; it is smaller in thin walls; default "
+        f"1/{ACROSS} of the smaller dimension of the section",
+        None,
     )
     accuracy: Percentages | None = key(
         "largest admissible estimated error of all measures or of named ones; spacing, layers, "
@@ -127,7 +129,9 @@ class WrittenSection(Table):
         None,
     )
     layers: whole(3, MOST_LAYERS) | None = key(
-        f"with spacing: least number of particles across a wall, default {LAYERS}", None
+        f"with spacing: least number of particles across a wall, default {LAYERS}, or "
+        f"{DEFAULT_LAYERS} if spacing is left out",
+        None,
     )
     edge_spacing: Distances | None = key(
         "with spacing: largest distances of the particles along named edges, smaller than spacing",
@@ -192,21 +196,16 @@ class WrittenSection(Table):
 
     @model_validator(mode="after")
     def _one_filling(self):
-        # spacing, rays or cloud; layers are those of a spacing, which accuracy may leave out
+        # spacing, which may be left out, rays or cloud; layers are those of a spacing
         given = [name for name in FILLINGS if getattr(self, name) is not None]
-        chosen = self.accuracy is not None
-        if len(given) != 1 and not (chosen and not given):
-            advice = (
-                f"{' and '.join(given)}; leave out all but one"
-                if given
-                else "none of them; give for example spacing and layers = 5 (layers of particles across "
-                'the thinnest wall), or accuracy = "1 %", which chooses the particles automatically'
-            )
+        if len(given) > 1:
             raise ValueError(
-                "the section needs exactly one of the keys spacing (largest distance of particles in "
-                f"mm), rays (radial rows) and cloud (mesh file), but has {advice}"
+                "the section needs only one of the keys spacing (largest distance of particles in "
+                f"mm), rays (radial rows) and cloud (mesh file), but has {' and '.join(given)}; leave "
+                "out all but one"
             )
-        if chosen and given not in ([], ["spacing"]):
+        spaced = given in ([], ["spacing"])
+        if self.accuracy is not None and not spaced:
             raise ValueError(
                 f"the key accuracy can only be combined with spacing, but the section has {given[0]}; "
                 f"leave out either accuracy or {given[0]}"
@@ -216,7 +215,6 @@ class WrittenSection(Table):
                 "[[section.region]] cannot be combined with radial rows of particles (rays); use "
                 "spacing instead"
             )
-        spaced = chosen or self.spacing is not None
         if self.layers is not None and not spaced:
             raise ValueError(
                 "the key layers can only be combined with spacing; rays and cloud define their own "
@@ -267,20 +265,23 @@ class WrittenSection(Table):
         except GeometryError as error:
             raise SealFileError(f"[section]: {error}") from None
         # the largest distance of particles, the rays that they lie on, or they themselves
-        filling = self.spacing
-        if self.accuracy is not None and filling is None:
-            filling = float(f"{start_spacing(np.ptp(outline.box, axis=0)):.3g}")
+        filling, layers, default = self.spacing, LAYERS, False
         if self.rays is not None:
             filling = Rays(**asdict(self.rays))
         elif self.cloud is not None:
             filling = _other_file("cloud", read_cloud, folder / self.cloud, outline)
+        elif filling is None:
+            filling = float(f"{start_spacing(np.ptp(outline.box, axis=0)):.3g}")
+            # the choice for an accuracy starts with fewer
+            default = self.accuracy is None
+            layers = DEFAULT_LAYERS if default else LAYERS
         # files that designs and recorders refer to
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
-        layers = LAYERS if self.layers is None else self.layers
+        layers = layers if self.layers is None else self.layers
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, tuple(regions), layers,
             drawing.parting, drawing.notice, self.edge_spacing or {},
-            self.quadrature or Kernels.n_gauss, tuple(lines), self.accuracy,
+            self.quadrature or Kernels.n_gauss, tuple(lines), self.accuracy, default_spacing=default,
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -334,6 +335,8 @@ class SectionTable:
     chosen : bool
         Whether they have been chosen (``seals.file.accuracy.with_filling``); until then spacing,
         layers and edge spacing are those to start with.
+    default_spacing : bool
+        Whether the file gives neither particles nor an accuracy.
     """
 
     outline: Outline
@@ -350,6 +353,7 @@ class SectionTable:
     region_lines: tuple = ()
     accuracy: float | dict[str, float] | None = None
     chosen: bool = False
+    default_spacing: bool = False
 
     @property
     def filling(self) -> dict:

@@ -1,4 +1,4 @@
-"""Sizes of sections: a spacing to start with; sizes and travels that indicate a wrong unit of length."""
+"""Sizes of sections: particles by default; sizes and travels that indicate a wrong unit of length."""
 
 import numpy as np
 
@@ -7,11 +7,13 @@ USUAL = (0.5, 300.0)
 FAR = 20.0
 """Usual largest displacement of a profile in a stage, over the larger extent of the section."""
 ACROSS = 12
-"""Particles across the smaller extent of a section, of which a choice of the spacing starts."""
+"""Particles across the smaller extent of a section, by default and where a choice of them starts."""
+DEFAULT_LAYERS = 5
+"""Particles across a wall by default."""
 
 
 def start_spacing(extent) -> float:
-    """Choose a spacing of particles to start with, mm, by the width and height of the section, mm."""
+    """Choose a spacing by default, or to start with, mm, by the width and height of the section, mm."""
     # h = min(w, h) / 12
     return min(extent) / ACROSS
 
