@@ -10,7 +10,8 @@ from seal_mdao.rkpm.cells import sides_of
 REENTRANT = np.pi / 4.0
 """Angle by which a boundary turns into the body at a re-entrant corner, at the least."""
 FIXED_END = "the end of a fixed edge"
-"""Kind of a singular point."""
+REENTRANT_CORNER = "a re-entrant corner"
+"""Kinds of singular points."""
 
 
 class SingularPoint(NamedTuple):
@@ -36,7 +37,7 @@ def singular_points(body, particles: np.ndarray) -> list[SingularPoint]:
         if fixed[point] and not (fixed[last] and fixed[after]):
             kind = FIXED_END
         elif turn < -REENTRANT and not fixed[point]:
-            kind = "a re-entrant corner"
+            kind = REENTRANT_CORNER
         if kind:
             # spacing of the particles there
             size = max(np.linalg.norm(one), np.linalg.norm(other))

@@ -15,6 +15,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
+from seal_mdao.measures.singular_points import REENTRANT_CORNER, singular_points
 from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
 from seal_mdao.seals.creases import creases
@@ -41,6 +42,8 @@ SHALLOW_VOLUME, NO_VOLUME = 0.5, 0.1
 SOLID_VOLUME = 0.2
 """det F of compressible material below which it is reported: less than the rubber in a light foam
 takes up. Largest stresses agree under refinement above 0.3, and differ by factors below 0.1."""
+AT_CORNER = 3.0
+"""Distance from a re-entrant corner, in spacings there, within which it inverts material."""
 HIGH_PRESSURE = 9.0
 """Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
@@ -180,8 +183,7 @@ def _strains(samples: EvaluationPoints):
 def _volume(samples: EvaluationPoints):
     """Report inverted material, and material that has lost more volume than it can."""
     change = samples.volume_change
-    stiff = samples.keeps_volume
-    slight, none = (SHALLOW_VOLUME, NO_VOLUME) if stiff else (SOLID_VOLUME, 0.0)
+    slight, none = _least_volumes(samples)
     # det F; NaN counts as the least
     least = np.where(np.isnan(change), -np.inf, change)
     # the exact strain is infinite at the end of a fixed edge: refinement inverts more of it
@@ -206,6 +208,32 @@ def _volume(samples: EvaluationPoints):
             meaningless=True,
             place=samples.undeformed[worst],
         )
+
+
+def _least_volumes(samples: EvaluationPoints) -> tuple[float, float]:
+    """Return det F below which it is reported, and is not admissible."""
+    return (SHALLOW_VOLUME, NO_VOLUME) if samples.keeps_volume else (SOLID_VOLUME, 0.0)
+
+
+def squeezed_corner(path: PathResult) -> str:
+    """Describe the re-entrant corner, such as the vertex of a notch, at which material is compressed
+    most at the last converged step of a path; empty where it is not compressed beyond what is reported.
+    """
+    samples, disc = EvaluationPoints(path), path.discretization
+    least, text = _least_volumes(samples)[0], ""
+    for corner in singular_points(disc.body, disc.particles):
+        if corner.kind != REENTRANT_CORNER:
+            continue
+        away = np.hypot(*(samples.undeformed - corner.place).T)
+        change = samples.volume_change[away <= AT_CORNER * corner.spacing].min()
+        if change < least:
+            least = change
+            text = (
+                f"material is {_squeezed(change)} at the re-entrant corner at "
+                f"{_at(corner.place)} (undeformed coordinates): det F = {change:.2g}; round this "
+                "corner (at the vertex of a notch smaller particle spacings do not help)"
+            )
+    return text
 
 
 def _volume_cure(samples: EvaluationPoints) -> str:

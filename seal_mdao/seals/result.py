@@ -20,7 +20,7 @@ from seal_mdao.errors import GeometryError, LoadPathError
 from seal_mdao.measures.contact_pressure import pressed_corners, unresolved_peaks
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
-from seal_mdao.seals.checks import findings
+from seal_mdao.seals.checks import findings, squeezed_corner
 from seal_mdao.seals.chosen_path import take_path, without_factors
 from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.creases import creases
@@ -265,6 +265,8 @@ class SealResult:
         # a fold of a free surface ends the path whatever the load steps and penalties are
         folded = creases(EvaluationPoints(self.path)) if done else ""
         advice = f"At the last converged load step {folded}" if folded else ADVICE
+        corner = squeezed_corner(self.path) if done else ""
+        advice = f"At the last converged load step {corner}. {advice}" if corner else advice
         near = missing_contact(self.path) if done else ""
         advice = f"{near}. {advice}" if near else advice
         return (

@@ -17,7 +17,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import ended_at
-from seal_mdao.seals.checks import crosses_itself
+from seal_mdao.seals.checks import crosses_itself, squeezed_corner
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.outline import section_cloud
 from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
@@ -320,6 +320,26 @@ def test_the_faces_of_a_notch_touch_each_other_close_to_its_vertex(tmp_path):
     force, expected = (float(own.value(own.seal.standard[0])[0]) for own in (result, half))
     assert force == pytest.approx(expected, rel=0.01)
     assert not crosses_itself(result.path)
+
+
+def test_an_analysis_that_ends_at_the_vertex_of_a_notch_says_so(tmp_path):
+    before, after = CLOSING.split("[self_contact]")
+    alone = before + after[after.index("[[measure]]") :]
+
+    def pressed(travel, steps):
+        text = alone.replace("[0.8, 0.0], steps = 5", f"[{travel}, 0.0], steps = {steps}")
+        seal = sm.build_seal(file_of(tmp_path, text))
+        return sm.analyze(replace(seal, newton=sm.NewtonOptions(max_cuts=0)))
+
+    failed, slightly = pressed(6.0, 8), pressed(0.05, 1)
+    assert not failed.converged
+    text = squeezed_corner(failed.path)
+    assert text.startswith("material is inverted at the re-entrant corner at x = 5, y = 3 ")
+    assert f"At the last converged load step {text}. " in failed.failure
+    assert "round this corner" in text
+    # not where material is hardly compressed
+    assert slightly.converged
+    assert squeezed_corner(slightly.path) == ""
 
 
 def test_gradients_are_exact_where_a_notch_closes(tmp_path):
