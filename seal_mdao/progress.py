@@ -26,6 +26,10 @@ INTERVAL = 10.0
 """Seconds between two lines of progress where no bar is shown."""
 
 
+BAR = "{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}{postfix}]"
+"""Bar of load steps; the time left is in its postfix."""
+
+
 class Waiting:
     """Print a line every ten seconds on standard error during work without countable steps.
 
@@ -69,7 +73,8 @@ class LoadStepProgress:
     """Progress bar (tqdm) over load steps; pass it to ``analyze`` or ``SealGroup`` as ``callback``.
 
     The bar restarts with every analysis and counts them. It is shown on a terminal and in Jupyter;
-    elsewhere a line is printed every ten seconds, and by ``begin_analysis``.
+    elsewhere a line is printed every ten seconds, and by ``begin_analysis``. The time left is that
+    used so far, multiplied by the ratio of the load steps left to those completed.
 
     Parameters
     ----------
@@ -90,10 +95,12 @@ class LoadStepProgress:
         self.analyses, self._told = 0, set()
         self._label, self._of = label, "" if n_analyses is None else f"/{n_analyses}"
         total = None if seal is None else seal.n_steps
-        self._bar = tqdm(total=total, unit="step", disable=hidden(), leave=False)
-        self._last, self._damped, self._printed = None, False, time.monotonic()
-        # start of the first announced analysis, load steps of those announced
-        self._begun, self._steps_before = self._printed, 0
+        self._bar = tqdm(
+            total=total, unit="step", disable=hidden(), leave=False, bar_format=BAR
+        )  # fmt: skip
+        self._last, self._printed = None, time.monotonic()
+        # start of the time that is measured, load steps of the analyses since, analyses left
+        self._begun, self._steps_before, self._left = self._printed, 0, 0
         # shape functions are made before the first load step
         self._before = Waiting(f"{label}: computing shape functions")
 
@@ -105,39 +112,61 @@ class LoadStepProgress:
             self.analyses += 1
             self._bar.reset()
             self._bar.set_description(f"{self._label} {self.analyses}{self._of}", refresh=False)
-        if self._damped:
-            self._damped = False
-            self._bar.set_postfix_str("", refresh=False)
+            if not self._left:
+                # an analysis that was not announced is measured from the end of its first step on
+                self._begun, self._steps_before = time.monotonic(), -(step.nominal + 1)
         self._last = step.nominal
+        left = self._time_left(step.nominal + 1)
+        self._bar.set_postfix_str(left, refresh=False)
         # nominal steps count from 0; the bar advances by the difference to what it shows
         self._bar.update(step.nominal + 1 - self._bar.n)
+        self._print_line(step.nominal + 1, left)
+
+    def halved(self, fraction: float) -> None:
+        """Estimate the time left again where a load step is halved after ``fraction`` load steps."""
+        begun = self._last is not None and fraction > self._last
+        left = self._time_left(fraction) if begun else ""
+        self._bar.set_postfix_str(left)
+        if begun:
+            self._print_line(int(fraction) + 1, left)
+
+    def _time_left(self, fraction: float) -> str:
+        """Write the time left after ``fraction`` load steps of an analysis; empty where unknown."""
+        done, steps = self._steps_before + fraction, self._bar.total
+        if not steps or done <= 0.0:
+            return ""
+        # t_left = t / n_done n_left, with n steps of every analysis that is left
+        left = steps * max(self._left, 1) - fraction
+        return f"about {duration((time.monotonic() - self._begun) / done * left)} left"
+
+    def _print_line(self, number: int, left: str) -> None:
+        """Print a line for load step ``number`` every ten seconds where no bar is shown."""
         if self._bar.disable and sys.stderr and time.monotonic() - self._printed >= INTERVAL:
             self._printed = time.monotonic()
             of = f" of {self._bar.total}" if self._bar.total else ""
             name = f"{self._label} {self.analyses}{self._of}"
-            print(f"{name}: load step {step.nominal + 1}{of}", file=sys.stderr, flush=True)
+            ending = f", {left}" if left else ""
+            print(f"{name}: load step {number}{of}{ending}", file=sys.stderr, flush=True)
 
     def begin(self, label: str) -> None:
         """Change the text before the number of the analysis; analyses and times are counted anew."""
         self._label, self._of = label, ""
-        self.analyses, self._steps_before, self._last = 0, 0, None
+        self.analyses, self._steps_before, self._left, self._last = 0, 0, 0, None
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps, and the time
         left by the measured time of those before."""
-        self._of, self._bar.total = f" of {of}", n_steps
-        now, left = time.monotonic(), ""
-        if self._steps_before:
-            # t_left = t / n_done n (N - i + 1), with n steps of every analysis that is left
-            seconds = (now - self._begun) / self._steps_before * n_steps * (of - number + 1)
-            left = f", about {duration(seconds)} left"
+        if self._left:
+            self._steps_before += self._bar.total
         else:
-            self._begun = now
-        self._steps_before += n_steps
+            self._begun, self._steps_before = time.monotonic(), 0
+        self._of, self._bar.total, self._left = f" of {of}", n_steps, of - number + 1
+        left = self._time_left(0)
         if self._bar.disable:
-            print(f"{self._label}, {number} of {of}{left} ...", file=sys.stderr, flush=True)
+            ending = f", {left}" if left else ""
+            print(f"{self._label}, {number} of {of}{ending} ...", file=sys.stderr, flush=True)
         else:
-            self._bar.set_postfix_str(left.removeprefix(", "))
+            self._bar.set_postfix_str(left)
 
     def faults(self, messages: list[str]) -> None:
         """Print what is impossible in the last result, each message once."""
@@ -151,7 +180,6 @@ class LoadStepProgress:
     def damped(self, iteration: int, residual: float) -> None:
         """Show an iteration of damped motion, which may take thousands of them within a step."""
         if iteration % 50 == 0:
-            self._damped = True
             self._bar.set_postfix_str(f"damped motion {iteration}, residual {residual:.1e}")
 
     def close(self) -> None:

@@ -1,10 +1,12 @@
 """Lines of progress where there is no terminal."""
 
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+import seal_mdao as sm
 from seal_mdao import progress
 
 DONE, FAILED = SimpleNamespace(failure=""), SimpleNamespace(failure="inverted")
@@ -97,6 +99,74 @@ def test_time_left_of_a_choice_is_that_of_the_paths_before(clock, capsys):
         "choosing load steps, 2 of 2, about 60 s left ...",
         "choosing load steps, 3 of 4, about 3.73 min left ...",
     ]
+
+
+def test_time_left_of_an_analysis_is_measured_where_its_steps_are_halved(clock, capsys):
+    """The step after the first one takes 10 s, so the last eight take 80 s; 110 s for 1.5 steps make
+    550 s for 7.5. The second analysis is measured by itself."""
+    with progress.LoadStepProgress(SimpleNamespace(n_steps=10), "analysis") as bar:
+        clock.now += 50.0
+        bar(SimpleNamespace(nominal=0))
+        clock.now += 10.0
+        bar(SimpleNamespace(nominal=1))
+        clock.now += 100.0
+        bar.halved(2.5)
+        clock.now += 100.0
+        bar(SimpleNamespace(nominal=9))
+        # not yet that of any analysis that has completed a step
+        clock.now += 50.0
+        bar.halved(0.5)
+        bar(SimpleNamespace(nominal=0))
+        clock.now += 50.0
+        bar(SimpleNamespace(nominal=5))
+    assert capsys.readouterr().err.splitlines() == [
+        "analysis 1: load step 1 of 10",
+        "analysis 1: load step 2 of 10, about 80 s left",
+        "analysis 1: load step 3 of 10, about 550 s left",
+        "analysis 1: load step 10 of 10, about 0 s left",
+        "analysis 2: load step 1 of 10",
+        "analysis 2: load step 6 of 10, about 40 s left",
+    ]
+
+
+def test_time_left_of_a_choice_grows_while_its_steps_are_halved(clock, capsys):
+    """36 + 1.5 load steps in 120 s leave 10.5 of the second path and 12 of another one."""
+    with progress.LoadStepProgress(None, "choosing load steps") as bar:
+        bar.begin_analysis(1, 2, 36)
+        clock.now += 15.0
+        bar(SimpleNamespace(nominal=35))
+        clock.now += 5.0
+        bar.begin_analysis(2, 3, 12)
+        bar(SimpleNamespace(nominal=0))
+        clock.now += 100.0
+        bar.halved(1.5)
+    assert capsys.readouterr().err.splitlines() == [
+        "choosing load steps, 1 of 2 ...",
+        "choosing load steps 1 of 2: load step 36 of 36, about 15 s left",
+        "choosing load steps, 2 of 3, about 13 s left ...",
+        "choosing load steps 2 of 3: load step 2 of 12, about 72 s left",
+    ]
+
+
+def test_load_steps_that_are_halved_are_reported():
+    """With how far the path has come; the callback has no other method."""
+    seen = []
+
+    class Callback:
+        def __call__(self, step):
+            seen.append(step.nominal)
+
+        def halved(self, fraction):
+            seen.append(("halved", fraction))
+
+    seal = sm.door_seal(depth=6.0, n_steps=2)
+    result = sm.analyze(
+        replace(seal, newton=sm.NewtonOptions(max_iterations=6)), callback=Callback()
+    )
+    halved = [own for own in seen if isinstance(own, tuple)]
+    assert len(halved) == result.path.step_cuts > 0
+    assert [own for own in seen if not isinstance(own, tuple)] == [0, 1]
+    assert all(0.0 <= own[1] < 2.0 for own in halved)
 
 
 def test_faults_of_the_first_results_are_printed_once(capsys):

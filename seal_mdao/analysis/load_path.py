@@ -121,14 +121,14 @@ class _Path:
     options : NewtonOptions
     memory : float
         Bytes for the factors that are kept.
-    note : callable or None
-        Called in every iteration of damped motion.
+    note, halved : callable or None
+        Called in every iteration of damped motion, and where a step is halved.
     near : callable or None
         As of ``solve_path``.
     """
 
-    def __init__(self, problem: PathProblem, options, memory: float, note, near):
-        self.problem, self.options, self.near = problem, options, near
+    def __init__(self, problem: PathProblem, options, memory: float, note, halved, near):
+        self.problem, self.options, self.near, self.halved = problem, options, near, halved
         self.memory, self.note = memory, note
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
         # the undeformed state
@@ -175,6 +175,8 @@ class _Path:
             if not found.converged and 0.5 * part >= 0.5 ** _most_cuts(found.status, self.options):
                 self.cuts, self.bend = self.cuts + 1, None
                 pending += [0.5 * part, 0.5 * part]
+                if self.halved is not None:
+                    self.halved(self.last.fraction)
                 continue
             target = increment.target
             if not found.converged:
@@ -314,8 +316,9 @@ def solve_path(
         GiB for the factors of converged tangents, which the sensitivities use again. The first that
         fit are kept; the sweeps make the others again.
     callback : callable, optional
-        Called with every ``ConvergedStep`` that completes a nominal step. Its method ``damped``, where
-        it has one, is called with the number of every iteration of damped motion and the residual.
+        Called with every ``ConvergedStep`` that completes a nominal step. Its methods ``damped`` and
+        ``halved``, where it has them, are called with the number of every iteration of damped motion
+        and the residual, and with the load steps completed where a load step is halved.
     resume : PathState, optional
         Of a path of the same body and terms whose nominal steps are the same up to there: those steps
         are taken, bit for bit what they would be.
@@ -337,7 +340,8 @@ def solve_path(
     """
     keep_freed_memory()
     options = NewtonOptions() if options is None else options
-    path = _Path(problem, options, factor_memory * 2**30, getattr(callback, "damped", None), near)
+    damped, halved = (getattr(callback, name, None) for name in ("damped", "halved"))
+    path = _Path(problem, options, factor_memory * 2**30, damped, halved, near)
     begin = 0 if resume is None else path.resume(resume)
     # report the steps that were taken as if they were solved now
     for step in path.steps if callback is not None else ():
