@@ -229,8 +229,8 @@ def status(history: RecordedOptimization) -> tuple[str, str, str]:
         text = f"{points} with values, {history.failed} failed."
         return "unknown", "No optimisation", text
     if not history.runs:
-        return "unknown", "End not recorded", "The recorder file does not say how the optimisation "
-        f"ended. {limits}"
+        text = f"The recorder file does not say how the optimisation ended. {limits}"
+        return "unknown", "End not recorded", text
     last = history.runs[-1]
     if last.cut_off:
         # the process ended before the driver did

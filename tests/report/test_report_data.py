@@ -204,8 +204,10 @@ def test_end_of_the_run_is_told_as_it_was(seal_page, tmp_path):
     kind, word, text = told("UPDATE run_log SET ended=''")
     assert (kind, word) == ("stopped", "Cut off")
     assert "recorded analyses" in text
-    kind, word, _ = told("DROP TABLE run_log")
+    kind, word, text = told("DROP TABLE run_log")
     assert (kind, word) == ("unknown", "End not recorded")
+    assert "does not say how the optimisation ended. " in text
+    assert text.endswith(("satisfied.", "%."))
 
 
 def test_cut_off_run_ends_with_its_last_major_iteration(seal_page, tmp_path):
