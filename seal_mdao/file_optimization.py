@@ -17,6 +17,7 @@ from seal_mdao.optimization import Limit, Task
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.outline.design_parameters import inverting_limits
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
@@ -187,6 +188,11 @@ def design_bounds(file: SealFile, seal: OutlineSeal) -> np.ndarray:
     # every design has as many parameters as its seal says
     pairs = zip(file.designs, seal.design_sizes, strict=True)
     return np.concatenate([np.full(size, design.bound) for design, size in pairs])
+
+
+def limit_warnings(file: SealFile, seal: OutlineSeal) -> tuple[str, ...]:
+    """Warn of limits of the design parameters of a file that permit a wall to be inverted."""
+    return inverting_limits(seal, design_bounds(file, seal)) if seal.n_offsets else ()
 
 
 def problem_settings(file: SealFile) -> dict:

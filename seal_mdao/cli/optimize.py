@@ -33,6 +33,7 @@ from seal_mdao.file_optimization import (
     CHOSEN,
     file_task,
     force_targets,
+    limit_warnings,
     measure_names,
     on_new_cloud,
     problem_settings,
@@ -57,6 +58,8 @@ def main(arguments) -> int:
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
     file, seal = seal_of(file, chosen, checked_seal(arguments, file))
+    for text in limit_warnings(file, seal):
+        print(f"WARNING: {text}")
     cache = AnalysisCache()
 
     def task_of(run: RunOptions):

@@ -1,5 +1,7 @@
 """``[[design]]`` of a seal file: derivatives, designs as files, symmetric optima, messages."""
 
+import re
+
 import numpy as np
 import pytest
 from exact_gradients import require_exact
@@ -7,7 +9,7 @@ from exact_gradients import require_exact
 import seal_mdao as sm
 from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.subcommands import main
-from seal_mdao.file_optimization import design_bounds
+from seal_mdao.file_optimization import design_bounds, limit_warnings
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.export import write_design
@@ -129,6 +131,69 @@ def test_table_of_the_parameters_has_the_effect_of_every_kind(designed):
         plus, minus = (seal.area(s * 0.01 * way)[0] for s in (1, -1))
         assert own.area == pytest.approx((plus - minus) / 0.02, rel=1e-9)
         assert own.area * {out: 1, into: -1}.get(own.direction, np.sign(own.area)) > 0.0
+
+
+ANNULAR_WALL = """[[design]]
+edges = ["crown"]
+parameters = 4
+bound = {}
+[[design]]
+edges = ["hole"]
+parameters = 6
+bound = {}
+"""
+BOTH_FACES = """[[design]]
+edges = ["crown"]
+between = [[4.8, 6.4], [-4.8, 6.4]]
+parameters = 5
+opposite = "hole"
+"""
+"""Below the crown the wall is 2 mm thick, at the sides too."""
+
+
+@pytest.mark.parametrize(
+    ("designs", "expected"),
+    [
+        (ANNULAR_WALL.format(0.9, 1.05), ""),
+        (ANNULAR_WALL.format(0.9, 1.15), "[[design]] 1 and [[design]] 2 the two faces"),
+        (ANNULAR_WALL.format(0.1, 2.05), "[[design]] 1 and [[design]] 2 the two faces"),
+        (f"{BOTH_FACES}bound = 0.95\n", ""),
+        (f"{BOTH_FACES}bound = 1.05\n", "[[design]] 1 the two"),
+        ('[[design]]\nedges = ["hole"]\nparameters = 6\nbound = 1.95\n', ""),
+        ('[[design]]\nedges = ["hole"]\nparameters = 6\nbound = 2.05\n', "[[design]] 1 the two"),
+    ],
+)
+def test_limits_that_invert_a_wall_are_reported(tmp_path, designs, expected):
+    file = sm.read_seal_file(written(tmp_path, designs))
+    found = limit_warnings(file, unchosen_seal(file))
+    assert len(found) == bool(expected)
+    for text in found:
+        assert text.startswith(f"within the limits (bound) of {expected}")
+        thickness = float(re.search(r"only ([\d.]+) mm thick", text)[1])
+        assert thickness == pytest.approx(2.0, rel=0.03)
+        x, y = map(float, re.search(r"at x = ([-\d.]+), y = ([-\d.]+) can", text).groups())
+        # on one of the two faces of the wall
+        radius = np.hypot(x, y - 5.0)
+        assert min(abs(radius - 3.0), abs(radius - 5.0), abs(abs(x) - 5.0)) < 0.01
+
+
+def test_check_and_optimize_warn_of_limits_that_invert_a_wall(tmp_path, monkeypatch, capsys):
+    class BegunError(Exception):
+        """Of the optimisation, which is not run."""
+
+    def begun(*arguments):
+        raise BegunError
+
+    path = written(
+        tmp_path, ANNULAR_WALL.format(1.2, 1.2) + MIRRORED[MIRRORED.index("[optimize]") :]
+    )
+    text = "WARNING: within the limits (bound) of [[design]] 1 and [[design]] 2"
+    assert main(["check", str(path), "--out", str(tmp_path / "out")]) == 0
+    assert text in capsys.readouterr().out
+    monkeypatch.setattr("seal_mdao.cli.optimize.run_optimization", begun)
+    with pytest.raises(BegunError):
+        main(["optimize", str(path), "--out", str(tmp_path / "out")])
+    assert text in capsys.readouterr().out
 
 
 def test_printed_table_of_the_parameters(designed, monkeypatch):

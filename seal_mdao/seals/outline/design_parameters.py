@@ -1,12 +1,15 @@
 """Design parameters of a section as a table: where each one moves the boundary, in which direction, how
-far, and what it does to the area."""
+far, and what it does to the area; and limits of them that invert a wall."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from seal_mdao import values
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
+from seal_mdao.seals.outline.section_cloud import wall_thickness
 
 ALONG = 0.2
 """Largest cosine between a velocity and the normal of an edge that it moves along."""
@@ -51,17 +54,10 @@ def design_parameters(seal: OutlineSeal) -> list[DesignParameter]:
     """List the design parameters of a seal in the order of ``boundary_offsets``."""
     if not seal.n_offsets:
         return []
-    points = np.concatenate([own.points for own in seal.boundaries])
+    points, normals, velocity = _boundary(seal)
     edges = np.concatenate([own.edge for own in seal.boundaries])
-    # outward normal: tangent turned clockwise, rubber on the left; sum of both sides of a corner
-    tangents = np.concatenate([np.asarray(own.tangent).sum(axis=1) for own in seal.boundaries])
-    normals = np.column_stack([tangents[:, 1], -tangents[:, 0]])
-    normals /= np.hypot(*normals.T)[:, None]
-    # V_p at the boundary particles, in the order of the points
-    velocity = seal.design_velocity[:, np.concatenate(seal.loops)]
     by_offset = seal.area(np.zeros(seal.n_offsets))[1]
-    # every table has as many parameters as the seal says
-    tables = np.repeat(np.arange(1, len(seal.design_sizes) + 1), seal.design_sizes)
+    tables = _tables(seal)
     found = []
     for index, own in enumerate(velocity):
         size = np.hypot(*own.T)
@@ -75,6 +71,61 @@ def design_parameters(seal: OutlineSeal) -> list[DesignParameter]:
             )
         )  # fmt: skip
     return found
+
+
+def inverting_limits(seal: OutlineSeal, bounds: np.ndarray) -> tuple[str, ...]:
+    """Warn of limits of the design parameters that are larger than the thickness of a wall.
+
+    Parameters
+    ----------
+    bounds : ndarray, shape (n_offsets,)
+        Largest absolute values of the parameters, mm.
+
+    Returns
+    -------
+    tuple of str
+        Empty, or one warning about the wall whose two faces can move farthest towards each other in
+        relation to its thickness.
+    """
+    points, normals, velocity = _boundary(seal)
+    thickness = np.concatenate(wall_thickness([own.points for own in seal.boundaries]))
+    walls = np.flatnonzero(np.isfinite(thickness))
+    # largest motion along the normal, sum_p b_p |V_p . n|, of the points and of those opposite
+    inward = bounds[:, None] * np.abs(np.einsum("pki,ki->pk", velocity, normals))
+    across = points[walls] - thickness[walls, None] * normals[walls]
+    faces = np.column_stack([walls, cKDTree(points).query(across)[1]])
+    moved = inward.sum(axis=0)[faces].sum(axis=1)
+    ratio = moved / thickness[walls]
+    if not ratio.max(initial=0.0) > 1.0:
+        return ()
+    worst = int(ratio.argmax())
+    # tables that move one of both faces
+    numbers = np.unique(_tables(seal)[inward[:, faces[worst]].max(axis=1) > SAME * moved[worst]])
+    named = " and ".join(f"[[design]] {number}" for number in numbers)
+    place = points[walls[worst]]
+    return (
+        f"within the limits (bound) of {named} the two faces of the wall at {values.place(place)} "
+        f"can move towards each other by {moved[worst]:.3g} mm, but the wall is only "
+        f"{thickness[walls[worst]]:.3g} mm thick, so an optimisation may invert it; use a smaller "
+        "bound",
+    )
+
+
+def _boundary(seal: OutlineSeal) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return points and outward normals (k, 2) of all boundaries, and velocities V_p (P, k, 2)."""
+    points = np.concatenate([own.points for own in seal.boundaries])
+    # outward normal: tangent turned clockwise, rubber on the left; sum of both sides of a corner
+    tangents = np.concatenate([np.asarray(own.tangent).sum(axis=1) for own in seal.boundaries])
+    normals = np.column_stack([tangents[:, 1], -tangents[:, 0]])
+    normals /= np.hypot(*normals.T)[:, None]
+    # V_p at the boundary particles, in the order of the points
+    return points, normals, seal.design_velocity[:, np.concatenate(seal.loops)]
+
+
+def _tables(seal: OutlineSeal) -> np.ndarray:
+    """Return the number of the ``[[design]]`` of every parameter, from 1, shape (n_offsets,)."""
+    # every table has as many parameters as the seal says
+    return np.repeat(np.arange(1, len(seal.design_sizes) + 1), seal.design_sizes)
 
 
 def _pair(vector) -> tuple[float, float]:
