@@ -1,9 +1,10 @@
 """Animation of a seal that closes: deformed section with stress and load-deflection curve."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter, writers
+from matplotlib.animation import FFMpegWriter, HTMLWriter, PillowWriter
 
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import fine_grid
@@ -15,7 +16,11 @@ MOST_FRAMES = 80
 """Load steps that are drawn at most; of more, evenly spread ones."""
 HOLD = 12
 """Times that the last frame is repeated."""
-FORMATS = (".gif", ".mp4", ".html")
+WRITERS = {
+    ".gif": (PillowWriter, 90), ".mp4": (FFMpegWriter, 130),
+    ".html": (partial(HTMLWriter, embed_frames=True), 100),
+}  # fmt: skip
+"""Writer and dots per inch of every file format."""
 
 
 def check_format(path: Path) -> None:
@@ -26,12 +31,12 @@ def check_format(path: Path) -> None:
     ValueError
         For another format, or mp4 without ffmpeg.
     """
-    if path.suffix not in FORMATS:
+    if path.suffix not in WRITERS:
         raise ValueError(
             f"{path}: unknown file format of an animation; the name must end with "
-            f"{' or '.join(FORMATS)}"
+            f"{' or '.join(WRITERS)}"
         )
-    if path.suffix == ".mp4" and not writers.is_available("ffmpeg"):
+    if path.suffix == ".mp4" and not FFMpegWriter.isAvailable():
         raise ValueError(
             f"{path}: an mp4 animation needs the program ffmpeg, which was not found; install "
             "ffmpeg, or use .gif or .html"
@@ -90,20 +95,22 @@ def save_animation(
         left.set_title(result.caption(step))
         here = ends[step + 1]
         marker.set_data(travel[here : here + 1], force[here : here + 1])
-        return (left,)
 
     contours = section.draw_stress(left, fine, count - 1, scales)
     section.draw_colorbars(figure, left, contours, fine, shrink=0.8, pad=0.02)
     add_caption(figure)
+    # layout of the last frame for all frames: each layout takes as long as drawing
+    draw(count - 1)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     frames = [*steps.tolist(), *[count - 1] * HOLD]
-    moving = FuncAnimation(figure, draw, frames=frames, interval=1000 / frames_per_second)
-    if path.suffix == ".html":
-        path.write_text(moving.to_jshtml(fps=frames_per_second), encoding="utf-8")
-    elif path.suffix == ".gif":
-        writer = PillowWriter(fps=frames_per_second)
-        moving.save(path, writer=writer, dpi=90, progress_callback=callback)
-    else:
-        moving.save(
-            path, writer="ffmpeg", fps=frames_per_second, dpi=130, progress_callback=callback
-        )
+    make_writer, dpi = WRITERS[path.suffix]
+    writer = make_writer(fps=frames_per_second)
+    # each frame is drawn once; ``FuncAnimation.save`` draws it twice
+    with writer.saving(figure, path, dpi):
+        for number, step in enumerate(frames):
+            draw(step)
+            writer.grab_frame()
+            if callback is not None:
+                callback(number, len(frames))
     return path

@@ -596,7 +596,7 @@ def test_animation_has_a_frame_for_every_step(bulb, tmp_path, name):
 def test_formats_of_animations(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="unknown file format of an animation; the name must"):
         check_format(tmp_path / "close.avi")
-    monkeypatch.setattr("seal_mdao.plotting.animation.writers.is_available", lambda name: False)
+    monkeypatch.setattr("seal_mdao.plotting.animation.FFMpegWriter.isAvailable", lambda: False)
     with pytest.raises(ValueError, match="needs the program ffmpeg"):
         check_format(tmp_path / "close.mp4")
 

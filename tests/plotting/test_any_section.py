@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
+from matplotlib.animation import PillowWriter
 from matplotlib.contour import ContourSet
 from pressed_block import pressed_block
 
@@ -157,17 +158,18 @@ def test_the_mark_of_an_animation_is_on_its_curve(pressed, tmp_path, monkeypatch
     """At the end of each load step, the jump between the stages included."""
     marks = []
 
-    def drawn(self, path, **_):
-        # else it warns that none of its frames is written
-        self._draw_was_started = True
-        for step in range(8):
-            self._func(step)
-            curve, marker = self._fig.axes[1].lines[1:3]
-            marks.append(np.ravel(marker.get_data()))
-            assert marks[-1].tolist() in np.transpose(curve.get_data()).tolist()
+    def drawn(self):
+        curve, marker = self.fig.axes[1].lines[1:3]
+        marks.append(np.ravel(marker.get_data()))
+        assert marks[-1].tolist() in np.transpose(curve.get_data()).tolist()
+        grab(self)
 
-    monkeypatch.setattr("seal_mdao.plotting.animation.FuncAnimation.save", drawn)
+    grab = PillowWriter.grab_frame
+    monkeypatch.setattr(PillowWriter, "grab_frame", drawn)
     save_animation(pressed, tmp_path / "roll.gif")
+    # the last frame is repeated
+    assert all(np.array_equal(mark, marks[7]) for mark in marks[8:])
+    del marks[8:]
     expected = Reaction("roll", direction="travel").curve(pressed)
     np.testing.assert_allclose(np.transpose(marks), np.array(expected)[:, 1:], rtol=1e-12)
 
