@@ -30,6 +30,7 @@ from seal_mdao.seals.file.chosen import chosen_ends
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.penalty_error import scale_of, standard_measures
 from seal_mdao.seals.profiles import motions
+from seal_mdao.seals.refined_steps import force_difference
 from seal_mdao.seals.result import Known, SealResult, analyze_particles
 from seal_mdao.seals.seal import Seal
 
@@ -219,7 +220,10 @@ class ComparedPaths:
         steps = dict(enumerate(coarse.path.nominal_steps, 1))
         found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
         if not found.converged:
-            self.failure = f"an analysis with half of the spacing failed: {found.failure}"
+            self.failure = (
+                f"an analysis with half of the spacing failed: {found.failure}"
+                f"{_error_before(coarse, found)}"
+            )
             return False
         self.fine, self.failure = found, ""
         return True
@@ -247,6 +251,20 @@ class ComparedPaths:
             replace(seal, newton=newton), seal.nominal_particles, callback=self.callback,
             known=Known(near.fine, near=near),
         )  # fmt: skip
+
+
+def _error_before(coarse: SealResult, fine: SealResult) -> str:
+    """Describe the error of the forces due to the particles, up to the last load step of a finer path
+    that failed; empty without load steps."""
+    count = len(fine.path.nominal_steps)
+    if not count:
+        return ""
+    # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_h|
+    error = force_difference(fine, coarse, np.arange(count)) / (1.0 - 0.5**ORDER)
+    return (
+        ". Up to that load step the estimated error of the forces due to the particles is at most "
+        f"{100.0 * error:.2g} % of the largest force"
+    )
 
 
 def some_ends(seal: Seal, count: int) -> np.ndarray:

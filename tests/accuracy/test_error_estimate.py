@@ -1,6 +1,7 @@
 """Estimated errors of measures by particles, load steps and penalties, against errors that are known."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,7 +30,7 @@ from seal_mdao.measures.retention import CompressionSet, RetainedForce, TimeToFo
 from seal_mdao.measures.work import ProfileWork
 from seal_mdao.plotting import error_parts
 from seal_mdao.seals.file.build import unchosen_seal
-from seal_mdao.seals.result import analyze
+from seal_mdao.seals.result import analyze, analyze_particles
 
 MEASURED = '[[measure]]\ntype = "reaction"\nname = "force"\nprofile = "top"\n'
 
@@ -240,6 +241,31 @@ def test_paths_that_fail_are_said(tmp_path, monkeypatch):
     assert found.particles is None
     assert "could not be completed" in found.unknown
     assert found.penalties is not None
+
+
+def test_error_of_the_forces_before_the_finer_path_fails(tmp_path, monkeypatch):
+    """With half of the spacing the path ends after five of eight load steps."""
+    file, result = analyzed(cord(tmp_path))
+    seal = result.seal
+    fine = unchosen_seal(refined_file(file, seal).file)
+    both = [analyze(own.with_ends(some_ends(seal, 8))) for own in (seal, fine)]
+    forces = [np.array([force(own) for own in path.up_to_each_step()]) for path in both]
+    error = 4 / 3 * np.abs(np.subtract(*forces))[:5].max() / forces[0].max()
+    solve = analyze_particles
+
+    def ended(seal, *others, **options):
+        found = solve(seal, *others, **options)
+        if len(seal.nominal_particles) == len(fine.nominal_particles):
+            path = replace(found.path, steps=found.path.steps[:5], status=Status.SINGULAR)
+            found = replace(found, path=path)
+        return found
+
+    monkeypatch.setattr("seal_mdao.accuracy.error_estimate.analyze_particles", ended)
+    monkeypatch.setattr("seal_mdao.accuracy.error_estimate.MORE", 1)
+    text = estimate_errors(file, result)["reaction"].unknown
+    stated = re.search(r"due to the particles is at most ([\d.]+) % of the largest force", text)
+    assert float(stated[1]) == pytest.approx(100.0 * error, rel=0.05)
+    assert 0.1 < float(stated[1]) < 10.0
 
 
 def _never(increment, d, *others, **options):
