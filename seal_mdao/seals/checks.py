@@ -17,6 +17,7 @@ from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.measures.singular_points import REENTRANT_CORNER, singular_points
 from seal_mdao.rkpm.cells import in_both_directions
+from seal_mdao.seals.arbitrary_side import arbitrary_side
 from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.evaluation_points import EvaluationPoints
@@ -84,7 +85,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = EvaluationPoints(path)
         checks = (
             _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _strains, _creases,
+            _below_base, _contact_loss, _strains, _creases, _side,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -150,6 +151,13 @@ def _contact_loss(samples: EvaluationPoints):
 def _creases(samples: EvaluationPoints):
     """Report a free surface beyond the onset of creases."""
     text = creases(samples)
+    if text:
+        yield Finding(text, False)
+
+
+def _side(samples: EvaluationPoints):
+    """Report a symmetric section that has buckled to one side."""
+    text = arbitrary_side(samples.path)
     if text:
         yield Finding(text, False)
 
