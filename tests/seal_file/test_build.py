@@ -1,14 +1,18 @@
 """From a seal file to a seal that is analysed."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.cli.examples import examples_folder
 from seal_mdao.file_seal import build_seal
+from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.clearance import cleared, nearest_at_start
+from seal_mdao.seals.outline.section_cloud import LONGEST, longest_side
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = BULB
@@ -506,3 +510,14 @@ def test_chosen_load_steps_see_the_error_in_time(tmp_path):
         seal = build_seal(read(tmp_path, text))
         counts.append(seal.n_steps)
     assert counts[1] > counts[0]
+
+
+@pytest.mark.parametrize(("spacing", "layers"), [(0.8, 3), (1.1, 5), (1.25, 5)])
+def test_a_slot_with_round_ends_is_filled_at_any_spacing(spacing, layers):
+    """With these spacings cells are folded at the ends; with a fraction of them they are not."""
+    pytest.importorskip("netgen")
+    file = sm.read_seal_file(examples_folder() / "two_holes.toml")
+    file = replace(file, section=replace(file.section, spacing=spacing, layers=layers))
+    seal = unchosen_seal(file)
+    assert longest_side(seal.body.cells, seal.nominal_particles) <= LONGEST * spacing
+    assert (quadrature_weights(cell_map(seal.body.cells), seal.nominal_particles) > 0.0).all()

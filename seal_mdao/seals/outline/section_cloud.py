@@ -30,7 +30,7 @@ LONGEST = 1.25
 """Longest accepted side of a cell over the spacing."""
 
 FRACTIONS = (1.0, 0.85, 0.7, 0.6)
-"""Fractions of the spacing, tried in this order until sides are short enough."""
+"""Fractions of the spacing, tried in this order until no cell is folded and sides are short enough."""
 
 DENSE = 0.125
 """Distance of the points at which wall thickness is measured, over the spacing."""
@@ -192,7 +192,8 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
 
     No wall has fewer than ``layers`` particles across, where the spacing stays above ``FINEST`` of the
     largest. The spacing grows with the same gradient from short sides, as along a fillet, and from the
-    vertices of narrow notches, as from thin walls. It is reduced where cells would be too long for it.
+    vertices of narrow notches, as from thin walls. It is reduced where cells would be too long for it or
+    folded at a curved boundary.
 
     Parameters
     ----------
@@ -222,6 +223,7 @@ def graded(sample, spacing: float, cuts=(), layers: int = LAYERS) -> tuple[list,
 def _graded(sample, spacing, cuts, layers, walls, notches, finest):
     """Choose points and spacing as ``graded``, by dense points of walls and by the vertices of notches,
     at which the spacing is ``finest`` times the largest one."""
+    found = failure = None
     for fraction in FRACTIONS:
         at = wall_spacing(walls, fraction * spacing, layers)
         # sampled twice: short sides of the first sampling refine the spacing of the second
@@ -229,10 +231,18 @@ def _graded(sample, spacing, cuts, layers, walls, notches, finest):
         if finest < 1.0:
             at = _grown(notches, np.full(len(notches), finest * fraction * spacing), at)
         boundaries = sample(at)
-        filled = cloud([boundary.points for boundary in boundaries], fraction * spacing, cuts)
+        try:
+            filled = cloud([boundary.points for boundary in boundaries], fraction * spacing, cuts)
+        except GeometryError as error:
+            # cells are folded where the boundary is curved, which depends on the spacing
+            failure = error
+            continue
+        found = boundaries, fraction * spacing
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
             break
-    return boundaries, fraction * spacing
+    if found is None:
+        raise failure
+    return found
 
 
 def _beside_short(boundaries, at):
