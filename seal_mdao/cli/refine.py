@@ -106,9 +106,10 @@ def refined_text(file: SealFile, folder: Path) -> str:
     for name in named_in(tables):
         moved = Path(os.path.relpath(path.parent / name, folder)).as_posix()
         text = text.replace(json.dumps(name), json.dumps(moved)).replace(f"'{name}'", f"'{moved}'")
-    # the new keys where the first old one was
-    first = next((own.start() for own in LINE.finditer(text)), None)
-    if first is not None:
+    # the new keys where the first old one was, or at the beginning of the table
+    old, table = LINE.search(text), re.search(r"(?m)^\[section\].*\n", text)
+    if old or table:
+        first = old.start() if old else table.end()
         rest = LINE.sub("", text[first:])
         text = text[:first] + "\n".join([*filling_lines(file.section), rest])
     tolerances = {}

@@ -447,6 +447,18 @@ def test_written_tolerances(tmp_path):
         refined_text(sm.read_seal_file(path), tmp_path / "out")
 
 
+def test_particles_are_written_into_a_file_without_any(tmp_path):
+    path = cord(tmp_path)
+    text, count = re.subn(r"(?m)^(spacing|layers) = .*\n", "", path.read_text())
+    assert count
+    path.write_text(text)
+    file = sm.read_seal_file(path)
+    assert file.section.default_spacing
+    written = tomllib.loads(refined_text(file, tmp_path / "out"))
+    chosen = {"spacing": file.section.spacing, "layers": 5}
+    assert written["section"] == tomllib.loads(text)["section"] | chosen
+
+
 def test_sweeps_choose_once(tmp_path, monkeypatch, capsys):
     """A number of the file varies with the particles of the file; its spacing cannot vary."""
     path, clouds = accurate(tmp_path, '{ reaction = "30 %" }', "spacing = 0.6"), []
