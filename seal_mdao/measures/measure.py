@@ -195,6 +195,11 @@ class Measure:
         """
         return self.frozen(fine) if self.selects_points else self
 
+    def between_steps(self, result) -> np.ndarray:
+        """Return the fractions of a path, in nominal steps, at which the value is interpolated between
+        two of them, shape (k,); none for most measures."""
+        return np.empty(0)
+
     @property
     def at_end(self) -> bool:
         """Whether its value at the end of a shorter part of the path is the value there; not so for a
@@ -242,6 +247,9 @@ class Derived(Measure):
     @property
     def selects_points(self):
         return self.base.selects_points
+
+    def between_steps(self, result):
+        return self.base.between_steps(result)
 
     @property
     def at_end(self):

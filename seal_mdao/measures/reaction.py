@@ -126,6 +126,11 @@ class Reaction(Measure):
         given = (own for own in (self.travels, self.stages, self.times) if own is not None)
         return len(next(given, (None,)))
 
+    def between_steps(self, result):
+        points = self._points(result, self.motion(result))
+        fractions = np.array([point.fraction for point in points])
+        return fractions[np.abs(fractions - np.round(fractions)) > ROUNDING]
+
     @property
     def at_end(self):
         return self.travels is None and self.stages is None and self.times is None

@@ -30,18 +30,23 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
 
     Returns the ends of the steps, the path, and its estimated error by the steps. The error is
     estimated by the change in the last division, since it is at least of first order in the step size;
-    for steps that were not divided again, by their fraction of the drift before. It is above the
+    for steps that were not divided again, by their fraction of the drift before. Steps within which
+    measures are interpolated are divided until these do not change, either. It is above the
     tolerance where further divisions do not reduce it, such as after a loss of stability.
     """
     # e, drift of every step, remaining corrections of penalties
     errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
+    # error of interpolated measures, and the steps within which they are
+    own, within = 0.0, np.empty(0, int)
     for _ in range(ROUNDS):
         error = errors[-1]
         changed = adjusted_penalties(coarse, names, penalty_tolerance) if corrections else {}
-        if (error <= tolerance and not changed) or _does_not_settle(errors):
+        settled = own <= tolerance and _does_not_settle(errors)
+        if (max(error, own) <= tolerance and not changed) or settled:
             break
         # next path: divided steps, other penalties
         parts = _parts(error, drift, tolerance)
+        parts[within] = 2
         finer = divided(ends, parts)
         other_seal = with_own_parameters(seal.with_parameters(changed)) if changed else seal
         fine = run(other_seal, finer, 0)
@@ -59,8 +64,9 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         errors.append(left + difference(coarse, fine, at, by_penalties=bool(changed)))
         # half of the drift in either half of a divided step
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
+        own, within = interpolation(coarse, fine, tolerance)
         ends, coarse = finer, fine
-    return ends, coarse, errors[-1]
+    return ends, coarse, max(errors[-1], own)
 
 
 def _does_not_settle(errors: list) -> bool:
@@ -130,19 +136,48 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
 
 
 def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
-    """Compute the largest relative difference of the measures, at the points of ``fine``."""
+    """Compute the largest relative difference of the measures, at the points of ``fine``, without those
+    that are interpolated between steps."""
     worst, measures = 0.0, standard_measures(fine)
     # expected change c/w_coarse - c/w_fine
     known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
+    for measure in measures:
+        if not measure.between_steps(fine).size:
+            apart = _relative(coarse, fine, measure, known.get(measure.name, 0.0))
+            worst = max(worst, float(apart.max(initial=0.0)))
+    return worst
+
+
+def interpolation(
+    coarse: SealResult, fine: SealResult, tolerance: float
+) -> tuple[float, np.ndarray]:
+    """Compute the largest relative difference of the measures that are interpolated between steps, and
+    the steps of ``fine``, indices (k,), with differences above the tolerance.
+
+    Displacements say nothing of them: where a seal slides steadily they are the same at the ends of
+    long and short steps, but the force turns round within a fraction of the first one.
+    """
+    worst, found = 0.0, [np.empty(0, int)]
+    for measure in standard_measures(fine):
+        fractions = measure.between_steps(fine)
+        if fractions.size:
+            apart = float(_relative(coarse, fine, measure).max())
+            worst = max(worst, apart)
+            if apart > tolerance:
+                # the step of index k between the fractions k and k + 1
+                found.append(np.floor(fractions).astype(int))
+    return worst, np.unique(np.concatenate(found))
+
+
+def _relative(coarse: SealResult, fine: SealResult, measure, known=0.0) -> np.ndarray:
+    """Compute the relative differences of the values of a measure beyond the ``known`` ones, shape
+    (m,); zero where the scale is."""
     # a seal without contacts has no penalty errors
     errors = fine.penalty_error
-    for measure in measures:
-        scale = errors[measure.name].scale if errors else scale_of(measure, fine)
-        if scale > 0.0:
-            # (m_coarse - m_fine - expected) / scale
-            apart = coarse.value(measure) - fine.value(measure) - known.get(measure.name, 0.0)
-            worst = max(worst, float(np.abs(apart).max(initial=0.0) / scale))
-    return worst
+    scale = errors[measure.name].scale if errors else scale_of(measure, fine)
+    # |m_coarse - m_fine - expected| / scale
+    apart = np.abs(coarse.value(measure) - fine.value(measure) - known)
+    return apart / scale if scale > 0.0 else 0.0 * apart
 
 
 def _changes_by_penalties(coarse: SealResult, fine: SealResult, measures) -> dict:

@@ -308,3 +308,44 @@ def test_pictures_show_even_parts_of_uneven_stages(bulb):
     result = sm.analyze(sm.build_seal(bulb[0], step_ends=UNEQUAL))
     assert result.key_steps() == [2, 5, 7, 8]
     assert result.caption(2) == "stage 1, travel 0.55 mm"
+
+
+WIPER = """[material.rubber]
+shore_a = 60
+[section]
+spacing = 0.6
+outer = [
+  { edge = "under", line = [[-0.433, -0.25], [3.317, -6.745]] },
+  { edge = "tip", arc = { start = [3.317, -6.745], through = [4.0, -6.928], end = [4.183, -6.245] } },
+  { edge = "back", line = [[4.183, -6.245], [0.433, 0.25]] },
+  { edge = "root", line = [[0.433, 0.25], [-0.433, -0.25]] },
+]
+[fixed]
+edges = ["root"]
+[[profile]]
+name = "plane"
+friction = 0.3
+line = [[40, 0], [-40, 0]]
+start = [0, -7.1]
+stage = [{ translate = [0, 1.605] }, { translate = [5, 0] }, { translate = [-5, 0] }]
+[[measure]]
+type = "reaction"
+component = "x"
+travel = [1.705, 6.705]
+"""
+"""A lip that slides in both directions; friction turns round within a small part of a stage."""
+
+
+def test_steps_are_small_where_a_measure_at_a_travel_needs_it(tmp_path):
+    """In steady sliding displacements do not change with the steps, between which forces are linear."""
+    file = read(tmp_path, WIPER)
+    seal = sm.build_seal(file)
+    result = sm.analyze(seal)
+    chosen = chosen_for(file, seal)
+    ends = divided(np.array(chosen["step_ends"]), 8)
+    exact = sm.analyze(sm.build_seal(file, step_ends=ends, penalties=chosen["penalties"]))
+    largest = np.hypot(*exact.path.reaction("plane").T).max()
+    values = [own.value("reaction") for own in (result, exact)]
+    assert np.abs(np.subtract(*values)).max() / largest <= file.step_tolerance
+    # sliding in both directions
+    assert values[1][0] < -0.1 * largest < 0.1 * largest < values[1][1]
