@@ -54,7 +54,8 @@ def parted(outline: Outline, segments, names) -> tuple[Outline, tuple]:
 
 
 def trimmed(outline: Outline, line) -> tuple[Outline, list]:
-    """Remove the parts of a parting line that run through holes or outside of the section.
+    """Remove the parts of a parting line that run through holes, outside of the section, or along its
+    boundary.
 
     Ends closer than 1e-3 mm to the boundary are moved onto it. Where no segments of the boundary meet
     at an end of a part, the segment is divided, so that a particle is there.
@@ -88,12 +89,14 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
             f"from {pair(line[0])} to {pair(line[-1])} between two materials does not run through "
             "the section"
         )
-    if curve.difference(section.buffer(JOIN)).is_empty:
+    along = curve.intersection(section.boundary).length > JOIN
+    if not along and curve.difference(section.buffer(JOIN)).is_empty:
         return outline, [line]
-    inside = shapely.line_merge(curve.intersection(section), directed=True)
+    inside = curve.intersection(section).difference(section.boundary)
+    inside = shapely.line_merge(inside, directed=True)
     parts = [part for part in shapely.get_parts(inside) if part.length > JOIN]
     # in order along the line; every end is an end of the line or a crossing with a contour
-    parts = [shapely.get_coordinates(part) for part in parts]
+    parts = [_distinct(shapely.get_coordinates(part)) for part in parts]
     parts.sort(key=lambda part: curve.project(shapely.Point(part.mean(axis=0))))
     for part in parts:
         for end in (0, -1):
@@ -103,6 +106,11 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
                 continue
             outline, part[end] = _attached(outline, part[end], "crosses")
     return outline, parts
+
+
+def _distinct(part: np.ndarray) -> np.ndarray:
+    """Leave out points (k, 2) of a line that are closer than 1e-3 mm to the next one."""
+    return part[np.append(np.hypot(*np.diff(part, axis=0).T) > JOIN, True)]
 
 
 def check_uncrossed(lines) -> None:
