@@ -216,6 +216,8 @@ BAD = {
     # material
     "no law": (*without('law = "mooney_rivlin"\n'),
                "[material.rubber]: the key 'law' is missing; it must be one of neo_hookean, mooney"),
+    "misspelt hardness": (MATERIAL, "[material.rubber]\nshoreA = 60\n",
+                          "[material.rubber]: unknown key 'shoreA' (did you mean 'shore_a'?)"),
     "unknown law": ('"mooney_rivlin"', '"rubber"', "[material.rubber]: law = 'rubber', but it must"),
     "law a number": ('"mooney_rivlin"', "3", "[material.rubber]: law = 3, but it must be one of"),
     "law a list": ('"mooney_rivlin"', '["yeoh"]', "[material.rubber]: law = ['yeoh'], but it must"),

@@ -6,6 +6,7 @@ their tables.
 
 import re
 from dataclasses import fields
+from difflib import get_close_matches
 from functools import cache
 from inspect import getdoc
 from itertools import pairwise
@@ -267,8 +268,13 @@ SHORT = {"shore_a": ShoreTable, "sponge": SpongeTable}
 
 
 def _kind(given) -> str:
-    """Find the tag of the class of a table of a material."""
-    own = next((name for name in SHORT if isinstance(given, dict) and name in given), None)
+    """Find the tag of the class of a table of a material; without a law also by a misspelt key."""
+    own, keys = None, [str(key) for key in given] if isinstance(given, dict) else []
+    # a key as it is written, or one that is close to it
+    for cutoff in (1.0,) if "law" in keys else (1.0, 0.6):
+        own = own or next(
+            (name for name in SHORT if get_close_matches(name, keys, 1, cutoff)), None
+        )
     return TAG + (own or "law")
 
 
