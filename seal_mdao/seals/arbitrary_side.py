@@ -123,6 +123,10 @@ def _symmetric(path: PathResult, mirror: _Mirror, boundary, image) -> bool:
             continue
         if mirror.images(term.reference) is None:
             return False
+        # friction drags the seal to the side to which a profile slides or turns
+        sideways = np.ptp(term.motion.positions @ mirror.normal)
+        if sideways > mirror.tolerance or np.ptp(term.motion.angles):
+            return False
         # equal gaps of mirrored contact points at the start and after every stage
         both = term.reference, mirror.of(term.reference)
         for fraction in np.cumsum([0, *term.motion.steps]):

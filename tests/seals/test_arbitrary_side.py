@@ -92,3 +92,11 @@ def test_friction_keeps_the_strip_on_its_symmetric_branch(tmp_path):
 def test_a_strip_that_is_only_compressed_is_not_reported(tmp_path):
     result = pressed(tmp_path, ("-0.5], steps = 5", "-0.05], steps = 2"))
     assert arbitrary_side(result.path) == ""
+
+
+def test_a_seal_that_is_dragged_to_one_side_is_not_reported(tmp_path):
+    """A plate that slides, of which the gaps do not tell."""
+    stages = "stage = [{ translate = [0, -0.1], steps = 2 }, { translate = [0.8, 0], steps = 3 }]"
+    result = pressed(tmp_path, RUBBED, ("stage = [{ translate = [0, -0.5], steps = 5 }]", stages))
+    assert np.abs(result.displacement()[:, 0]).max() > 0.1
+    assert arbitrary_side(result.path) == ""
