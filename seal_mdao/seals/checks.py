@@ -223,11 +223,11 @@ def _least_volumes(samples: EvaluationPoints) -> tuple[float, float]:
     return (SHALLOW_VOLUME, NO_VOLUME) if samples.keeps_volume else (SOLID_VOLUME, 0.0)
 
 
-def squeezed_corner(path: PathResult) -> str:
+def squeezed_corner(samples: EvaluationPoints) -> str:
     """Describe the re-entrant corner, such as the vertex of a notch, at which material is compressed
     most at the last converged step of a path; empty where it is not compressed beyond what is reported.
     """
-    samples, disc = EvaluationPoints(path), path.discretization
+    disc = samples.path.discretization
     least, text = _least_volumes(samples)[0], ""
     for corner in singular_points(disc.body, disc.particles):
         if corner.kind != REENTRANT_CORNER:

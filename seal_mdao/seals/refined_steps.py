@@ -36,13 +36,13 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
     """
     # e, drift of every step, remaining corrections of penalties
     errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
-    # error of interpolated measures, and the steps within which they are
-    own, within = 0.0, np.empty(0, int)
+    # error of interpolated measures, and the steps within which it is too large
+    between, within = 0.0, np.empty(0, int)
     for _ in range(ROUNDS):
         error = errors[-1]
         changed = adjusted_penalties(coarse, names, penalty_tolerance) if corrections else {}
-        settled = own <= tolerance and _does_not_settle(errors)
-        if (max(error, own) <= tolerance and not changed) or settled:
+        enough = max(error, between) <= tolerance and not changed
+        if enough or (between <= tolerance and _does_not_settle(errors)):
             break
         # next path: divided steps, other penalties
         parts = _parts(error, drift, tolerance)
@@ -64,9 +64,9 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         errors.append(left + difference(coarse, fine, at, by_penalties=bool(changed)))
         # half of the drift in either half of a divided step
         drift = np.repeat(np.where(whole, drift, 0.5 * drifts(coarse, fine, at)), parts)
-        own, within = interpolation(coarse, fine, tolerance)
+        between, within = interpolation(coarse, fine, tolerance)
         ends, coarse = finer, fine
-    return ends, coarse, max(errors[-1], own)
+    return ends, coarse, max(errors[-1], between)
 
 
 def _does_not_settle(errors: list) -> bool:

@@ -262,18 +262,23 @@ class SealResult:
         # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last converged load step was at {self.caption(done - 1)}." if done else ""
-        # a fold of a free surface ends the path whatever the load steps and penalties are
-        folded = creases(EvaluationPoints(self.path)) if done else ""
-        advice = f"At the last converged load step {folded}" if folded else ADVICE
-        corner = squeezed_corner(self.path) if done else ""
-        advice = f"At the last converged load step {corner}. {advice}" if corner else advice
-        near = missing_contact(self.path) if done else ""
-        advice = f"{near}. {advice}" if near else advice
+        advice = self._advice() if done else ADVICE
         return (
             f"the analysis could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} "
             f"{damped + '. ' if damped else ''}{advice}"
         )
+
+    def _advice(self) -> str:
+        """Write what is remarkable at the last converged step of a path that failed, and what to do."""
+        samples, last = EvaluationPoints(self.path), "At the last converged load step"
+        # a fold of a free surface ends the path whatever the load steps and penalties are
+        folded = creases(samples)
+        advice = f"{last} {folded}" if folded else ADVICE
+        corner = squeezed_corner(samples)
+        advice = f"{last} {corner}. {advice}" if corner else advice
+        near = missing_contact(self.path)
+        return f"{near}. {advice}" if near else advice
 
     @property
     def end(self) -> ConvergedStep:

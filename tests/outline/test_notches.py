@@ -18,6 +18,7 @@ from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.rkpm.cells import support_radii
 from seal_mdao.rkpm.visibility import ended_at
 from seal_mdao.seals.checks import crosses_itself, squeezed_corner
+from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.outline import section_cloud
 from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
@@ -336,13 +337,13 @@ def test_an_analysis_that_ends_at_the_vertex_of_a_notch_says_so(tmp_path):
 
     failed, slightly = pressed(6.0, 8), pressed(0.05, 1)
     assert not failed.converged
-    text = squeezed_corner(failed.path)
+    text = squeezed_corner(EvaluationPoints(failed.path))
     assert text.startswith("material is inverted at the re-entrant corner at x = 5, y = 3 ")
     assert f"At the last converged load step {text}. " in failed.failure
     assert "round this corner" in text
     # not where material is hardly compressed
     assert slightly.converged
-    assert squeezed_corner(slightly.path) == ""
+    assert squeezed_corner(EvaluationPoints(slightly.path)) == ""
 
 
 def test_gradients_are_exact_where_a_notch_closes(tmp_path):

@@ -6,7 +6,6 @@ their tables.
 
 import re
 from dataclasses import fields
-from difflib import get_close_matches
 from functools import cache
 from inspect import getdoc
 from itertools import pairwise
@@ -31,7 +30,16 @@ from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.seals.file.extensions import Extensible, extension_table, keys_of
 from seal_mdao.seals.file.forms import Form, Number, Text, many, number, one_of, whole
 from seal_mdao.seals.file.model_table import ENTROPIC, per_stage
-from seal_mdao.seals.file.schema import LINE, TAG, Table, chosen_by, key, table, table_of
+from seal_mdao.seals.file.schema import (
+    LINE,
+    TAG,
+    Table,
+    chosen_by,
+    key,
+    suggestion,
+    table,
+    table_of,
+)
 from seal_mdao.seals.file.softening_table import SofteningTable
 from seal_mdao.seals.file.viscoelastic_table import ViscoelasticTable
 from seal_mdao.values import formatted
@@ -269,12 +277,10 @@ SHORT = {"shore_a": ShoreTable, "sponge": SpongeTable}
 
 def _kind(given) -> str:
     """Find the tag of the class of a table of a material; without a law also by a misspelt key."""
-    own, keys = None, [str(key) for key in given] if isinstance(given, dict) else []
-    # a key as it is written, or one that is close to it
-    for cutoff in (1.0,) if "law" in keys else (1.0, 0.6):
-        own = own or next(
-            (name for name in SHORT if get_close_matches(name, keys, 1, cutoff)), None
-        )
+    keys = [str(key) for key in given] if isinstance(given, dict) else []
+    own = next((name for name in SHORT if name in keys), None)
+    if own is None and "law" not in keys:
+        own = next((name for name in SHORT if suggestion(name, keys)), None)
     return TAG + (own or "law")
 
 

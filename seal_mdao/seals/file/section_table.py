@@ -265,19 +265,18 @@ class WrittenSection(Table):
         except GeometryError as error:
             raise SealFileError(f"[section]: {error}") from None
         # the largest distance of particles, the rays that they lie on, or they themselves
-        filling, layers, default = self.spacing, LAYERS, False
+        filling = self.spacing
         if self.rays is not None:
             filling = Rays(**asdict(self.rays))
         elif self.cloud is not None:
             filling = _other_file("cloud", read_cloud, folder / self.cloud, outline)
         elif filling is None:
             filling = float(f"{start_spacing(np.ptp(outline.box, axis=0)):.3g}")
-            # the choice for an accuracy starts with fewer
-            default = self.accuracy is None
-            layers = DEFAULT_LAYERS if default else LAYERS
+        # a choice for an accuracy, which starts with fewer layers, is no default
+        default = all(getattr(self, name) is None for name in (*FILLINGS, "accuracy"))
         # files that designs and recorders refer to
         beside = (None if name is None else folder / name for name in (self.dxf, self.cloud))
-        layers = layers if self.layers is None else self.layers
+        layers = self.layers or (DEFAULT_LAYERS if default else LAYERS)
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, tuple(regions), layers,
             drawing.parting, drawing.notice, self.edge_spacing or {},

@@ -235,7 +235,7 @@ def _graded(sample, spacing, cuts, layers, walls, notches, finest):
             filled = cloud([boundary.points for boundary in boundaries], fraction * spacing, cuts)
         except GeometryError as error:
             # cells are folded where the boundary is curved, which depends on the spacing
-            failure = error
+            failure = failure or error
             continue
         found = boundaries, fraction * spacing
         if longest_side(filled.cells, filled.particles) <= LONGEST * spacing:
