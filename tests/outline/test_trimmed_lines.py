@@ -28,6 +28,7 @@ PARTS = [[(-6.0, 2.0), (-3.0, 2.0)], [(3.0, 2.0), (6.0, 2.0)]]
         # through the hole, with vertices on its corners, and nearly on them
         [(-3.0, 2.0), (0.0, 3.0), (3.0, 2.0)],
         [(-3.0 + 4e-4, 2.0), (0.0, 3.0), (3.0 - 4e-4, 2.0)],
+        [(-3.0 - 4e-4, 2.0), (0.0, 3.0), (3.0 + 4e-4, 2.0)],
     ],
 )
 def test_parts_of_a_line_beside_a_hole(between):

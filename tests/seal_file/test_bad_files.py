@@ -218,6 +218,8 @@ BAD = {
                "[material.rubber]: the key 'law' is missing; it must be one of neo_hookean, mooney"),
     "misspelt hardness": (MATERIAL, "[material.rubber]\nshoreA = 60\n",
                           "[material.rubber]: unknown key 'shoreA' (did you mean 'shore_a'?)"),
+    "hardness beside a law": ("c10 = 80.0", "c10 = 80.0\nshoreA = 60",
+                              "[material.rubber]: unknown key 'shoreA'; the keys are law, c10, c01"),
     "unknown law": ('"mooney_rivlin"', '"rubber"', "[material.rubber]: law = 'rubber', but it must"),
     "law a number": ('"mooney_rivlin"', "3", "[material.rubber]: law = 3, but it must be one of"),
     "law a list": ('"mooney_rivlin"', '["yeoh"]', "[material.rubber]: law = ['yeoh'], but it must"),

@@ -349,3 +349,14 @@ def test_steps_are_small_where_a_measure_at_a_travel_needs_it(tmp_path):
     assert np.abs(np.subtract(*values)).max() / largest <= file.step_tolerance
     # sliding in both directions
     assert values[1][0] < -0.1 * largest < 0.1 * largest < values[1][1]
+
+
+def test_an_error_between_steps_that_stays_too_large_is_told(tmp_path, monkeypatch):
+    """After three divisions the forces at the ends of the steps are right, those between are not."""
+    monkeypatch.setattr("seal_mdao.seals.refined_steps.ROUNDS", 3)
+    file = read(tmp_path, WIPER)
+    seal = sm.build_seal(file)
+    assert seal.step_error > 10.0 * file.step_tolerance
+    assert seal.step_warnings[0].startswith(
+        f"{seal.n_steps} load steps cause an estimated error of"
+    )

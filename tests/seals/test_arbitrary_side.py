@@ -94,9 +94,23 @@ def test_a_strip_that_is_only_compressed_is_not_reported(tmp_path):
     assert arbitrary_side(result.path) == ""
 
 
-def test_a_seal_that_is_dragged_to_one_side_is_not_reported(tmp_path):
-    """A plate that slides, of which the gaps do not tell."""
-    stages = "stage = [{ translate = [0, -0.1], steps = 2 }, { translate = [0.8, 0], steps = 3 }]"
-    result = pressed(tmp_path, RUBBED, ("stage = [{ translate = [0, -0.5], steps = 5 }]", stages))
+CLOSES = "stage = [{ translate = [0, -0.5], steps = 5 }]"
+ROLL = "circle = { centre = [0, 2], radius = 3 }\npivot = [0, 2]"
+
+
+@pytest.mark.parametrize(
+    ("then", "changes"),
+    [
+        ("translate = [0.8, 0]", ()),
+        (
+            "rotate = 20.0",
+            (("line = [[-60, 0], [60, 0]]", ROLL), ("start = [0, 18]", "start = [0, 19]")),
+        ),
+    ],
+)
+def test_a_seal_that_is_dragged_to_one_side_is_not_reported(tmp_path, then, changes):
+    """By a plate that slides or a roll that turns, of which the gaps do not tell."""
+    stages = f"stage = [{{ translate = [0, -0.1], steps = 2 }}, {{ {then}, steps = 3 }}]"
+    result = pressed(tmp_path, RUBBED, (CLOSES, stages), *changes)
     assert np.abs(result.displacement()[:, 0]).max() > 0.1
     assert arbitrary_side(result.path) == ""
