@@ -138,9 +138,8 @@ def force_of(seal, arguments, where: str, along) -> Reaction:
         if along[-1] > end + ROUNDING * motion.travel:
             raise WrongArgumentError(
                 f"{arguments.csv}: the readings end at a travel of {along[-1]:g} mm, but {profile} "
-                f"moves only {end:.6g} mm after first contact with the seal; leave out the "
-                "readings at larger travels, or extend the motion of the profile in "
-                f"{arguments.file}"
+                f"moves only {end:.6g} mm from its start; leave out the readings at larger travels, or "
+                f"extend the motion of the profile in {arguments.file}"
             )
     return force
 
@@ -217,8 +216,8 @@ def arguments_parser():
     )
     made.add_argument(
         "csv", type=Path, metavar="CSV",
-        help=f"measured forces: columns {TRAVEL} (accumulated distance of the profile since first "
-        f"contact, which increases during unloading, too) or {TIME} (from the start of the "
+        help=f"measured forces: columns {TRAVEL} (accumulated distance of the profile since the start "
+        f"of its motion, which increases during unloading, too) or {TIME} (from the start of the "
         "motion), and force_N_per_m, for a body of revolution force_N",
     )  # fmt: skip
     made.add_argument(

@@ -383,9 +383,13 @@ class SealResult:
         ------
         ValueError
             For a name that the seal does not know.
+        LoadPathError
+            For a path that was not completed and a measure that requires its end (``wants_end``).
         """
         if isinstance(measure, str):
             measure = self.measure(measure)
+        if measure.wants_end:
+            self.require_converged()
         # f(m) of a base measure m
         if isinstance(measure, Derived):
             return np.atleast_1d(measure.value(self.value(measure.base))[0])

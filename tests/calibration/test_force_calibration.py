@@ -180,7 +180,13 @@ def test_the_command_over_the_travel_of_closing_and_opening(tmp_path):
             (),
             "time = 60 s is beyond the end of the analysis at 20.5 s",
         ),
-        ("travel_mm,force_N_per_m", [[1, 2]], (), "a travel of 1 mm, but lid moves only 0.5 mm"),
+        (
+            # the gap of 0.02 mm at the start is part of the travel
+            "travel_mm,force_N_per_m",
+            [[1, 2]],
+            (),
+            "a travel of 1 mm, but lid moves only 0.5 mm from its start",
+        ),
         ("time_s,force_N_per_m", [[1, 2], [1, 3]], (), "line 3, column time_s: 1 is not above 1"),
         ("time_s,force_N_per_m", [[0, 2]], (), "line 2, column time_s: 0 must be above 0"),
         (

@@ -9,6 +9,8 @@ from two_rubbers import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.analysis.path_result import Status
+from seal_mdao.measures.reaction import Reaction
+from seal_mdao.measures.work import ProfileWork, StrainEnergy
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +41,23 @@ def test_seal_and_result_print_as_one_line(pressed):
     path = replace(pressed.path, steps=pressed.path.steps[:-1], status=Status.DIVERGED)
     early = replace(pressed, path=path)
     assert repr(early) == f"<SealResult: not converged, 3 of 4 load steps, {seal}>"
+
+
+def test_a_path_that_ended_early_has_no_values_at_its_end(pressed):
+    """Not those of its last converged load step, nor an extrapolation of the force to later ones."""
+    path = replace(pressed.path, steps=pressed.path.steps[:-1], status=Status.DIVERGED)
+    early = replace(pressed, path=path)
+    measures = (
+        Reaction("door", name="closed", stages=(1,)),
+        Reaction("door", name="later", travels=(0.95,)),
+        ProfileWork("door"), pressed.measure("von_mises"), StrainEnergy(),
+    )  # fmt: skip
+    for measure in measures:
+        assert np.isfinite(pressed.value(measure)).all()
+        with pytest.raises(sm.LoadPathError, match="3 of 4 load steps converged"):
+            early.value(measure)
+    with pytest.raises(sm.LoadPathError, match="3 of 4 load steps converged"):
+        early.value("von_mises")
 
 
 def test_outline_seals_print_as_one_line(tmp_path):
