@@ -249,8 +249,9 @@ def warnings_of(result) -> tuple[str, ...]:
 
 def _large_errors(result, large: dict[str, PenaltyError]) -> str:
     """Report size and sign of the errors of measures, and sufficient penalties."""
+    values = {own.name: result.value(own) for own in standard_measures(result) if own.name in large}
     changes = ", ".join(
-        f"{name} {100.0 * abs(found.relative):.2g} % too {'small' if found.relative < 0.0 else 'large'}"
+        f"{name} {100.0 * abs(found.relative):.2g} % {_sense(values[name], found.error)}"
         for name, found in large.items()
     )
     said = f"the contact penalties permit penetration, which makes {changes}, as estimated"
@@ -267,6 +268,15 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
             wanted = penalty.value * part / CURED
             cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
     return f"{said}; use larger penalties, in kPa/mm: {', '.join(cures)}"
+
+
+def _sense(values: np.ndarray, errors: np.ndarray) -> str:
+    """Describe the sign of the largest error; of a negative value, that of its magnitude."""
+    index = np.abs(errors).argmax()
+    negative = values[index] < 0.0
+    # an error above 0 brings a negative value nearer to 0
+    sense = "large" if (errors[index] > 0.0) != negative else "small"
+    return f"too {sense}{' in magnitude' if negative else ''}"
 
 
 def chosen_penalties(seal) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """The estimated error by contact penalties is the true one, and penalties by tolerance are within it."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -155,6 +156,20 @@ def test_soft_penalties_are_reported_with_direction_and_cure(tmp_path):
     assert "% too small" in text
     assert "plate_normal_penalty = 1e+04 (at least " in text
     assert "plate_tangent_penalty = 1e+02 (at least " in text
+
+
+def test_the_error_of_a_negative_value_is_that_of_its_magnitude(tmp_path):
+    """One force, positive along +y and negative along -y: it is too small both times."""
+    penalties = "normal_penalty = 1e4\ntangent_penalty = 1e2"
+    path = half_disc(tmp_path, penalties).path
+    down = '[[measure]]\ntype = "reaction"\nname = "down"\ndirection = [0, -1]\n'
+    path.write_text(f"{path.read_text()}\n{down}")
+    result = sm.analyze(sm.build_seal(path), keep_factors=True)
+    assert result.value("down")[0] == pytest.approx(-result.reaction[-1, 1])
+    (text,) = (text for text in result.warnings if "permit penetration" in text)
+    up, down = (re.search(rf"\b{name} ([^,]*),", text)[1] for name in ("reaction", "down"))
+    assert up.endswith("% too small")
+    assert down == f"{up} in magnitude"
 
 
 def test_an_error_that_a_linear_estimate_does_not_give_is_not_estimable(solid):
