@@ -50,6 +50,7 @@ CAVITY = "[[cavity]]\nhole = 1\n"
 VENTS = "vent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
+LOST = '[[measure]]\ntype = "friction_work"\n'
 REGION = """[material.foot]
 law = "neo_hookean"
 c10 = 300.0
@@ -156,6 +157,10 @@ BAD = {
         "[material.rubber]: bulk_modulus = 100 of MooneyRivlin gives a Poisson's ratio of -0.1 with"),
     "rough self-contact": (FIXED, FIXED + TOUCH.replace("0.3", "-0.3"),
                            "[self_contact]: friction = -0.3, but it must be a number"),
+    "friction work with a fluid": (FIXED, FIXED + FLUID + LOST,
+                                   "with [[fluid]], because a fluid does work"),
+    "friction work with vents": (FIXED, FIXED + CAVITY + VENTS + LOST,
+                                 "with vents of a [[cavity]], because air that leaves does work"),
     "fluid of no edge": (FIXED, FIXED + FLUID.replace('"seal"', '"seel"'),
                          "[[fluid]] 1: edge = 'seel', but there is no such edge (did you mean 'seal'?)"),
     "fluid of a number": (FIXED, FIXED + FLUID.replace('"seal"', "3"),

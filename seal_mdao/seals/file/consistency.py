@@ -292,12 +292,22 @@ def _check_measures(file) -> None:
 
 
 def _check_work(where: str, measure, file) -> None:
-    """Refuse works that leave out those of moved or bonded edges."""
+    """Refuse works that leave out those of moved or bonded edges, and friction beside other losses."""
     own = measure.type == "friction_work" and (file.moved or file.glued)
     if own or (measure.type == "profile_work" and measure.profile in file.glued):
         raise SealFileError(
             f"{where}: type = {measure.type!r} is not available with [[moved]] or glued edges, "
             "because their work is not included; leave out this measure, or use strain_energy"
+        )
+    # work of all profiles minus the elastic energy: that of a fluid is not subtracted, nor the losses
+    # of air in vents
+    vented = any(cavity.vent_diameter is not None for cavity in file.cavities)
+    if measure.type == "friction_work" and (file.fluids or vented):
+        why = "a fluid does work, too" if file.fluids else "air that leaves does work, too"
+        raise SealFileError(
+            f"{where}: type = 'friction_work' is not available with "
+            f"{'[[fluid]]' if file.fluids else 'vents of a [[cavity]]'}, because {why}; leave out "
+            "this measure, or use profile_work"
         )
 
 
