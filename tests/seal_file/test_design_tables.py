@@ -251,6 +251,15 @@ def test_messages_name_the_table_and_the_remedy(tmp_path, kind, text):
         unchosen_seal(sm.read_seal_file(path))
 
 
+def test_the_radius_of_a_bonded_circle_has_no_remedy_but_another_edge(tmp_path):
+    """Its edge cannot move along its normals either."""
+    path = written(tmp_path, "[[design]]\narc = [3.0, 5.0]\nbound = 0.1\n")
+    bonded = path.read_text().replace('edges = ["base"]', 'edges = ["base", "hole"]')
+    path.write_text(bonded)
+    with pytest.raises(sm.SealFileError, match=r"'hole', which is fixed; choose another edge$"):
+        unchosen_seal(sm.read_seal_file(path))
+
+
 def test_the_derivative_of_the_area_is_exact(designed):
     """The area is quadratic in the offsets: central differences have no truncation error."""
     _, seal, offsets, _ = designed

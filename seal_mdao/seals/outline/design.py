@@ -92,10 +92,15 @@ def _require_supported(sampled, columns, supports, remedy: str) -> None:
         # between their ends, edges in a plane follow these
         which = sampled.indices(name)
         which = which if len(components) == 2 else which[[0, -1]]
-        if np.abs(columns[:, which][..., list(components)]).max(initial=0.0) > STILL:
+        moved = (
+            np.abs(columns[:, which][..., list(components)]).max(axis=(0, 2), initial=0.0) > STILL
+        )
+        if moved.any():
             what = "is fixed" if len(components) == 2 else "can move only along its own line"
+            # not only an end that a neighbour moves: the edge itself is designed
+            cure = "choose another edge" if moved.all() and len(components) == 2 else remedy
             raise ValueError(
-                f"the design parameter would move the edge {name!r}, which {what}; {remedy}"
+                f"the design parameter would move the edge {name!r}, which {what}; {cure}"
             )
 
 
