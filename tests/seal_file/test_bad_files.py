@@ -157,6 +157,8 @@ BAD = {
         "[material.rubber]: bulk_modulus = 100 of MooneyRivlin gives a Poisson's ratio of -0.1 with"),
     "rough self-contact": (FIXED, FIXED + TOUCH.replace("0.3", "-0.3"),
                            "[self_contact]: friction = -0.3, but it must be a number"),
+    "measure named as a column": (FIXED, FIXED + LOST + 'name = "converged"\n',
+                                  "name = 'converged' is the name of a column of sweep.csv; give"),
     "friction work with a fluid": (FIXED, FIXED + FLUID + LOST,
                                    "with [[fluid]], because a fluid does work"),
     "friction work with vents": (FIXED, FIXED + CAVITY + VENTS + LOST,

@@ -25,6 +25,9 @@ from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
 
+COLUMNS = ("value", "converged")
+"""Names in the rows of a sweep that a measure must not have."""
+
 
 def check(file) -> None:
     """Raise SealFileError for a ``SealFile`` whose tables contradict each other."""
@@ -279,6 +282,11 @@ def _check_measures(file) -> None:
             raise SealFileError(
                 f"{where}: name = {measure.name!r}, but an earlier [[measure]] has this name; give "
                 "every measure a different name"
+            )
+        if measure.name in COLUMNS:
+            raise SealFileError(
+                f"{where}: name = {measure.name!r} is the name of a column of sweep.csv; give the "
+                "measure another name"
             )
         # numbers of particles belong to a cloud that does not change
         cloud = isinstance(file.section.spacing, OutlineCloud)
