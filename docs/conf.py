@@ -18,6 +18,8 @@ import numba
 # numba's dispatchers hide signatures and docstrings; here nothing is computed in this process. Not by
 # the environment variable, which the scripts and the kernels of notebooks would inherit
 numba.config.DISABLE_JIT = True
+# scripts and notebooks show the choice of load steps and penalties, which commands would store
+os.environ["SEAL_MDAO_CHOICES"] = ""
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "_generated"

@@ -3,6 +3,7 @@
 import gc
 import importlib
 import json
+import os
 import signal
 from pathlib import Path
 
@@ -11,7 +12,11 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.cli.arguments import run as run_command
+from seal_mdao.cli.stored_choice import FOLDER
 from seal_mdao.cli.subcommands import COMMANDS
+
+# commands of the tests, also in other processes, choose load steps and penalties themselves
+os.environ[FOLDER] = ""
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -70,7 +70,7 @@ def main(arguments) -> int:
     write_summary(arguments.out, summary)
     report(result, summary)
     estimates = None
-    if (arguments.errors or clouds) and result.converged:
+    if (arguments.errors or file.section.chosen) and result.converged:
         # other analyses follow, unless the particles were chosen by them, and the summary again
         estimates = clouds[-1].estimates if clouds else errors_of(file, result)
         summary["errors"] = error_summary(estimates)

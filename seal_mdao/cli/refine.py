@@ -42,7 +42,7 @@ def main(arguments) -> int:
     with file_errors(arguments.file):
         # a text in which the particles cannot be written is an error before the analyses
         refined_text(file, arguments.out)
-    file, seal = seal_of(file, report=tried.append)
+    file, seal = seal_of(file, report=tried.append, anew=True)
     found = tried[-1]
     print_errors(found.estimates, found.result)
     plotting.save(plotting.error_parts(found.estimates), arguments.out / "errors.png")

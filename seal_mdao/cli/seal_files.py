@@ -7,6 +7,7 @@ from pathlib import Path
 
 import seal_mdao as sm
 from seal_mdao.accuracy.chosen_spacing import Cloud
+from seal_mdao.cli.stored_choice import store_choice, stored_choice
 from seal_mdao.file_seal import file_and_seal
 from seal_mdao.measures.contact_pressure import ENOUGH
 from seal_mdao.plotting.captions import name_seal
@@ -60,6 +61,7 @@ def seal_of(
     chosen: dict | None = None,
     unchosen: OutlineSeal | None = None,
     report: Callable[[Cloud], None] | None = None,
+    anew: bool = False,
 ) -> tuple[SealFile, OutlineSeal]:
     """Build the seal of a file; choose particles, load steps and penalties that are not given.
 
@@ -71,6 +73,8 @@ def seal_of(
         As of ``build_seal``.
     report : callable, optional
         Called with every cloud that is tried for the ``accuracy`` of the file.
+    anew : bool
+        Whether to choose again what an earlier command has chosen for the same file.
 
     Returns
     -------
@@ -94,15 +98,21 @@ def seal_of(
         if report is not None:
             report(cloud)
 
+    stored, read = None, file
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run
             return file_and_seal(file, **(chosen or {}), unchosen=unchosen)
-        with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
-            file, seal = file_and_seal(file, progress, tried, unchosen=unchosen)
+        stored = None if anew else stored_choice(file)
+        if stored is not None:
+            file, seal = file_and_seal(file, **stored, unchosen=unchosen)
+        else:
+            with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
+                file, seal = file_and_seal(file, progress, tried, unchosen=unchosen)
+            store_choice(read, file, seal)
     # the choice decides the results: print it
     for line in chosen_lines(file, seal):
-        print(line)
+        print(line if stored is None else f"{line} (by an earlier command)")
     return file, seal
 
 

@@ -12,9 +12,11 @@ from cord_files import cord
 from round_tip import PRESSED_TIP
 
 import seal_mdao as sm
+from seal_mdao import registry
 from seal_mdao.accuracy import chosen_spacing
 from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
+from seal_mdao.cli import stored_choice
 from seal_mdao.cli.refine import refined_text
 from seal_mdao.cli.seal_files import cloud_line
 from seal_mdao.cli.subcommands import main
@@ -414,8 +416,11 @@ def test_wrong_arguments(arguments, text, tmp_path, monkeypatch, capsys):
     assert text in capsys.readouterr().err
 
 
-def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys):
-    """They are known without ``--errors``, and the choice is in the summary."""
+def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys, monkeypatch):
+    """They are known without ``--errors``, and the choice is in the summary. A second command on the
+    same file has the same, without trying clouds; ``refine`` tries them again."""
+    monkeypatch.setenv(stored_choice.FOLDER, str(tmp_path / "choices"))
+    monkeypatch.setattr(registry, "_registered", {})
     path, out = accurate(tmp_path, '{ reaction = "3 %" }', "spacing = 0.6"), tmp_path / "out"
     assert main(["analyze", str(path), "--no-vtu", "--out", str(out)]) == 0
     text = capsys.readouterr().out
@@ -427,6 +432,15 @@ def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys):
         summary["measures"]["reaction"]["error_bar"]
         <= 0.03 * summary["errors"]["reaction"]["value"]
     )
+    assert main(["analyze", str(path), "--no-vtu", "--out", str(out)]) == 0
+    again = capsys.readouterr().out
+    assert "layers = 3 (by an earlier command)" in again
+    assert "at most 3 %" in text
+    assert "at most 3 %" not in again
+    other = json.loads((out / "summary.json").read_text())
+    assert other | {"wall_s": 0.0} == summary | {"wall_s": 0.0}
+    assert main(["refine", str(path), "--out", str(tmp_path / "refined")]) == 0
+    assert "at most 3 %" in capsys.readouterr().out
 
 
 def test_written_tolerances(tmp_path):

@@ -29,9 +29,14 @@ def note_contents(file: SealFile) -> None:
 
 def keep_contents(file: SealFile, read: SealFile) -> SealFile:
     """Attach the contents of the file that was read to a changed one; return the latter."""
-    if CONTENTS in read.__dict__:
-        file.__dict__[CONTENTS] = read.__dict__[CONTENTS]
+    file.__dict__[CONTENTS] = contents(read)
     return file
+
+
+def contents(file: SealFile) -> dict:
+    """Return the contents of a seal file and those beside it; empty without ``note_contents``."""
+    # frozen dataclass: contents are no field, so ``replace`` drops them
+    return file.__dict__.get(CONTENTS, {})
 
 
 def _contents(path: Path) -> dict:
@@ -60,9 +65,8 @@ def description(file: SealFile, seal: OutlineSeal) -> dict:
     ``seal_file`` is its text; ``beside`` has the packed contents of the drawing, the cloud and data by
     their names in the text; ``chosen`` has keyword arguments of ``build_seal``.
     """
-    # frozen dataclass: contents are no field, so ``replace`` drops them
-    contents = file.__dict__.get(CONTENTS)
-    return contents | {"chosen": chosen_for(file, seal)} if contents else {}
+    own = contents(file)
+    return own | {"chosen": chosen_for(file, seal)} if own else {}
 
 
 def named_in(tables: dict) -> list[str]:
