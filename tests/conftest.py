@@ -12,8 +12,8 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.cli.arguments import run as run_command
-from seal_mdao.cli.stored_choice import FOLDER
 from seal_mdao.cli.subcommands import COMMANDS
+from seal_mdao.stored_choice import FOLDER
 
 # commands of the tests, also in other processes, choose load steps and penalties themselves
 os.environ[FOLDER] = ""

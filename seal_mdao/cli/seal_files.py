@@ -7,7 +7,6 @@ from pathlib import Path
 
 import seal_mdao as sm
 from seal_mdao.accuracy.chosen_spacing import Cloud
-from seal_mdao.cli.stored_choice import store_choice, stored_choice
 from seal_mdao.file_seal import file_and_seal
 from seal_mdao.measures.contact_pressure import ENOUGH
 from seal_mdao.plotting.captions import name_seal
@@ -18,6 +17,7 @@ from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.section_table import SectionTable
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.sizes import ACROSS
+from seal_mdao.stored_choice import store_choice, stored_choice
 
 
 @contextmanager

@@ -33,7 +33,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from seal_mdao import values
 from seal_mdao.geometry.polygon import polygon_area
@@ -416,4 +416,7 @@ def density(left: float, mass: float, kappa: float, gamma: float) -> float:
     # no flow, up to rounding
     if kappa == 0.0 or beyond == 0.0 or (beyond > 0.0) != (sealed > 0.0):
         return sealed
-    return brentq(residual, *sorted((0.0, sealed)), xtol=1e-300, rtol=_PRECISION, maxiter=1000)
+    # scipy loads a module at its first use; few files have vents
+    return scipy.optimize.brentq(
+        residual, *sorted((0.0, sealed)), xtol=1e-300, rtol=_PRECISION, maxiter=1000
+    )

@@ -19,6 +19,7 @@ from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import description
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
+from seal_mdao.stored_choice import store_choice, stored_choice
 from seal_mdao.studio import pictures
 from seal_mdao.studio.adjustable import adjustables, with_handles
 from seal_mdao.studio.preview import path_rates
@@ -84,8 +85,12 @@ class Workbench:
         report("reading the file, placing particles")
         self.file = read_seal_file(self.path)
         self.tables = tomllib.loads(read_text(self.path))
-        progress = Progress(report, watch)
-        self.file, built = file_and_seal(self.file, progress, **(chosen or {}))
+        progress, read = Progress(report, watch), self.file
+        # in this session, or by an earlier command
+        known = chosen or stored_choice(read)
+        self.file, built = file_and_seal(read, progress, **(known or {}))
+        if known is None:
+            store_choice(read, self.file, built)
         self.chosen, self._plain, self._report = chosen_for(self.file, built), built, report
         self.seal = with_handles(built, self.file)
         self.seal.made_from(description(self.file, built) | {"handles": True})

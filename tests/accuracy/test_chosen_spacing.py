@@ -12,11 +12,10 @@ from cord_files import cord
 from round_tip import PRESSED_TIP
 
 import seal_mdao as sm
-from seal_mdao import registry
+from seal_mdao import registry, stored_choice
 from seal_mdao.accuracy import chosen_spacing
 from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
-from seal_mdao.cli import stored_choice
 from seal_mdao.cli.refine import refined_text
 from seal_mdao.cli.seal_files import cloud_line
 from seal_mdao.cli.subcommands import main

@@ -8,9 +8,10 @@ import pytest
 from coarse_seal import OPEN, written
 
 import seal_mdao as sm
-from seal_mdao import registry
-from seal_mdao.cli import seal_files, stored_choice
+from seal_mdao import registry, stored_choice
+from seal_mdao.cli import seal_files
 from seal_mdao.seals.file import build
+from seal_mdao.studio.workbench import Workbench
 
 STORED = "(by an earlier command)"
 
@@ -172,3 +173,19 @@ def test_files_that_leave_nothing_open_store_nothing(tmp_path, choices, made):
     seal_of(written(tmp_path))
     assert not made
     assert not choices.exists()
+
+
+def test_the_live_section_takes_the_choice_of_a_command(tmp_path, choices, made):
+    path = written(tmp_path, OPEN)
+    seal = seal_of(path)
+    bench = Workbench(path, report=lambda text: None, watch=lambda: None)
+    assert len(made) == 1
+    assert bench.seal.n_steps == seal.n_steps
+
+
+def test_a_command_takes_the_choice_of_the_live_section(tmp_path, choices, made):
+    path = written(tmp_path, OPEN)
+    bench = Workbench(path, report=lambda text: None, watch=lambda: None)
+    assert len(made) == 1
+    assert seal_of(path).n_steps == bench.seal.n_steps
+    assert len(made) == 1

@@ -9,7 +9,7 @@ from functools import cached_property
 from math import ceil, hypot, sqrt
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from seal_mdao.errors import GeometryError
 
@@ -101,11 +101,12 @@ class Segment:
 
     def nearest(self, point) -> tuple[float, float]:
         """Find the fraction of the arc length nearest to a point, and the distance, mm."""
-        # the nearest of many points, then Brent's method between its neighbours
+        # the nearest of many points, then Brent's method between its neighbours, which scipy loads at
+        # its first use
         s = np.linspace(0.0, 1.0, 64 * self.sides + 1)
         place = int(np.hypot(*(self.points(s) - point).T).argmin())
         around = s[max(place - 1, 0)], s[min(place + 1, s.size - 1)]
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda at: float(((self.points([at])[0] - point) ** 2).sum()),
             bounds=around, method="bounded", options={"xatol": 1e-12},
         )  # fmt: skip

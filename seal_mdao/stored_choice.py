@@ -1,4 +1,4 @@
-"""Particles, load steps and penalties that a command chose for a seal file, stored for later commands.
+"""Particles, load steps and penalties that a command chose for a seal file, stored for the next one.
 
 The choice takes two to three times as long as the analysis, and minutes with ``accuracy``. It depends on
 the seal file, the files that it names and the code of this package only, so a file is stored in the
@@ -25,7 +25,7 @@ FOLDER = "SEAL_MDAO_CHOICES"
 """Environment variable with the folder of stored choices; empty: nothing is stored or read."""
 UNUSED = 90 * 24 * 3600.0
 """Seconds without use after which a stored choice is deleted."""
-PACKAGE = Path(__file__).parent.parent
+PACKAGE = Path(__file__).parent
 
 
 def stored_choice(file: SealFile) -> dict | None:
@@ -62,10 +62,13 @@ def store_choice(read: SealFile, file: SealFile, seal: OutlineSeal) -> None:
 
 
 def _path(file: SealFile) -> Path | None:
-    """Return the path of the choice for a file; None for one that was changed after it was read, with
-    installed or registered extensions, whose code is not known, and without a folder."""
+    """Return the path of the choice for a file; None for one that leaves nothing open or was changed
+    after it was read, with installed or registered extensions, whose code is not known, and without a
+    folder."""
     own, text = os.environ.get(FOLDER), contents(file)
-    if own == "" or not text or any(registry.names(kind) for kind in registry.CONTRACTS):
+    if own == "" or not text or not file.leaves_open:
+        return None
+    if any(registry.names(kind) for kind in registry.CONTRACTS):
         return None
     folder = user_cache_path("seal_mdao") / "choices" if own is None else Path(own)
     digest = hashlib.sha256(json.dumps(text, sort_keys=True).encode())
