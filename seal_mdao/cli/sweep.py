@@ -50,14 +50,29 @@ def main(arguments) -> int:
             write_sweep_curves(own.name, results, arguments.out / "curves.csv")
     # measures that some rows do not have are None there
     rows = [{key: line.get(key) for key in max(rows, key=len)} for line in rows]
-    write_summary(arguments.out, {"parameter": own.name, "unit": own.unit, "values": rows})
+    warned = warnings_of(results)
+    summary = {"parameter": own.name, "unit": own.unit, "values": rows, "warnings": warned}
+    write_summary(arguments.out, summary)
     draw(own, results, rows, arguments.out)
     for line in rows:
         # "value" is the parameter in the printed line
         numbers = {own.name if key == "value" else key: value for key, value in line.items()}
         print(", ".join(f"{key} = {shown(value)}" for key, value in numbers.items()))
+    for found in warned:
+        which = ", ".join(shown(value) for value in found["at"])
+        print(f"WARNING ({own.name} = {which}): {found['text']}")
     print(f"sweep.png, measures.png, sweep.csv, curves.csv and summary.json in {arguments.out}")
-    return 0 if all(result.converged for result in results.values()) else 1
+    return 0 if all(result.trustworthy for result in results.values()) else 1
+
+
+def warnings_of(results: dict) -> list[dict]:
+    """List the warnings and failures of all analyses: each ``text`` once, with the values that have it
+    (``at``)."""
+    found = {}
+    for value, result in results.items():
+        for text in result.warnings if result.converged else (result.failure,):
+            found.setdefault(text, []).append(value)
+    return [{"text": text, "at": values} for text, values in found.items()]
 
 
 def measures_of(seal, nominal=None) -> tuple:

@@ -10,6 +10,7 @@ import warnings
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,8 +25,10 @@ from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError, parser, run
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
+from seal_mdao.cli.sweep import warnings_of
 from seal_mdao.plotting.animation import check_format
 from seal_mdao.plotting.captions import caption
+from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.result_units import PLANE
 
 
@@ -301,6 +304,26 @@ def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
         )
         assert float(row["contact_width"]) == pytest.approx(result.contact_width, rel=1e-9)
     assert (out / "sweep.png").is_file()
+
+
+def test_a_sweep_prints_each_warning_once(bulb, tmp_path, capsys, monkeypatch):
+    """With the values that have it; an analysis that cannot be used or fails is status 1."""
+    out, own = tmp_path / "sweep", lambda result: f"{result.seal.scalars['c10'].value:g} kPa"
+    arguments = ["sweep", str(bulb), "--vary", "c10", "60,80", "--out", str(out)]
+    monkeypatch.setattr(SealResult, "warnings", property(lambda result: ("soft", own(result))))
+    assert main(arguments) == 0
+    warned = [line for line in capsys.readouterr().out.splitlines() if line.startswith("WARNING")]
+    lines = ["(c10 = 60, 80): soft", "(c10 = 60): 60 kPa", "(c10 = 80): 80 kPa"]
+    assert warned == [f"WARNING {line}" for line in lines]
+    found = json.loads((out / "summary.json").read_text())["warnings"]
+    assert found[0] == {"text": "soft", "at": [60.0, 80.0]}
+    monkeypatch.setattr(SealResult, "trustworthy", property(lambda result: own(result) == "60 kPa"))
+    assert main(arguments) == 1
+
+
+def test_a_sweep_says_why_an_analysis_failed():
+    failed = SimpleNamespace(converged=False, failure="the path ends at 2 mm", warnings=("soft",))
+    assert warnings_of({0.3: failed}) == [{"text": "the path ends at 2 mm", "at": [0.3]}]
 
 
 def test_analyses_and_captions_say_at_which_temperature_they_are(
