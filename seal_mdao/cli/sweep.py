@@ -10,7 +10,13 @@ from tqdm import tqdm
 
 import seal_mdao as sm
 from seal_mdao import plotting
-from seal_mdao.cli.arguments import NAME_OF_FILE, announce, parser, write_summary
+from seal_mdao.cli.arguments import (
+    NAME_OF_FILE,
+    WrongArgumentError,
+    announce,
+    parser,
+    write_summary,
+)
 from seal_mdao.cli.seal_files import file_errors, file_of
 from seal_mdao.cli.varied import Varied, varied
 from seal_mdao.export.csv_tables import write_sweep_curves
@@ -28,6 +34,11 @@ PER_MM = "N_per_mm"
 def main(arguments) -> int:
     file = file_of(arguments.file)
     own, values = varied(file, arguments.vary[0]), arguments.vary[1]
+    if any(measure.name == own.name for measure in file.measures):
+        raise WrongArgumentError(
+            f"--vary: {own.name} is also the name of a [[measure]], and sweep.csv would have two "
+            "columns of this name; give the measure another name"
+        )
     name_varied([own.name])
     results, rows, measures = {}, [], None
     with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:

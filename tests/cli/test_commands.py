@@ -407,6 +407,16 @@ def test_wrong_values_of_a_sweep_are_named(given, message, capsys):
     assert f"{given!r} {message}" in capsys.readouterr().err
 
 
+def test_a_measure_with_the_name_of_what_is_varied(bulb, tmp_path, capsys):
+    """The table would have two columns of one name."""
+    named = '[[measure]]\ntype = "section_area"\nname = "door_y"\n'
+    bulb.write_text(bulb.read_text() + named)
+    with pytest.raises(SystemExit) as ended:
+        main(["sweep", str(bulb), "--vary", "door_y", "0:0.1:2", "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    assert "door_y is also the name of a [[measure]]" in capsys.readouterr().err
+
+
 def test_a_sweep_of_listed_values(bulb, tmp_path):
     """Any order and distances; -1 is a travel away from the seal."""
     out = tmp_path / "sweep"
