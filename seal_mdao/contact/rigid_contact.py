@@ -162,11 +162,10 @@ class ContactTerm(PointTerm):
         self.pose, self.motion_rates = cache(self.motion.pose), cache(self.motion.rates_at)
         self._linearized = ()
         self._speed_varies = has_cubics(self.profile)
-        # deformed coordinates, and those of the profile without its pose
         size = float(np.abs(discretization.particles).max())
+        self.rounding = self.law.normal_penalty * size * discretization.depth
+        # deformed coordinates, and those of the profile without its pose
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
-        # a gap is the difference of such coordinates: of a slightly curved profile its radius
-        self.rounding = self.law.normal_penalty * self._size * discretization.depth
 
     @property
     def history_dependent(self) -> bool:
