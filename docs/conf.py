@@ -18,8 +18,6 @@ import numba
 # numba's dispatchers hide signatures and docstrings; here nothing is computed in this process. Not by
 # the environment variable, which the scripts and the kernels of notebooks would inherit
 numba.config.DISABLE_JIT = True
-# scripts and notebooks show the choice of load steps and penalties, which commands would store
-os.environ["SEAL_MDAO_CHOICES"] = ""
 
 HERE = Path(__file__).resolve().parent
 GENERATED = HERE / "_generated"
@@ -33,7 +31,11 @@ import seal_file_tables  # noqa: E402
 from figures import limits  # noqa: E402
 
 import seal_mdao  # noqa: E402
+from seal_mdao import stored_choice  # noqa: E402
 from seal_mdao.seals.file import json_schema  # noqa: E402
+
+# scripts and notebooks show the choice of load steps and penalties, which commands would store
+os.environ[stored_choice.FOLDER] = ""
 
 # ---- what is made before the pages are read ----
 

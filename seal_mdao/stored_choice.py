@@ -11,11 +11,13 @@ import json
 import os
 import time
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 from platformdirs import user_cache_path
 
 from seal_mdao import registry
+from seal_mdao.compilation import PACKAGE
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import contents
 from seal_mdao.seals.file.file_tables import SealFile
@@ -25,7 +27,6 @@ FOLDER = "SEAL_MDAO_CHOICES"
 """Environment variable with the folder of stored choices; empty: nothing is stored or read."""
 UNUSED = 90 * 24 * 3600.0
 """Seconds without use after which a stored choice is deleted."""
-PACKAGE = Path(__file__).parent
 
 
 def stored_choice(file: SealFile) -> dict | None:
@@ -71,10 +72,17 @@ def _path(file: SealFile) -> Path | None:
     if any(registry.names(kind) for kind in registry.CONTRACTS):
         return None
     folder = user_cache_path("seal_mdao") / "choices" if own is None else Path(own)
-    digest = hashlib.sha256(json.dumps(text, sort_keys=True).encode())
-    for source in sorted(PACKAGE.rglob("*.py")):
-        digest.update(source.read_bytes())
+    digest = hashlib.sha256(_sources(PACKAGE) + json.dumps(text, sort_keys=True).encode())
     return folder / f"{digest.hexdigest()[:32]}.json"
+
+
+@cache
+def _sources(package: Path) -> bytes:
+    """Return a digest of all modules of a package."""
+    digest = hashlib.sha256()
+    for module in sorted(package.rglob("*.py")):
+        digest.update(module.read_bytes())
+    return digest.digest()
 
 
 def _delete_unused(folder: Path) -> None:

@@ -98,22 +98,21 @@ def seal_of(
         if report is not None:
             report(cloud)
 
-    stored, read = None, file
     with file_errors(file.path):
         if not file.leaves_open or chosen is not None:
             # nothing to choose, or chosen in an earlier run
             return file_and_seal(file, **(chosen or {}), unchosen=unchosen)
         stored = None if anew else stored_choice(file)
         if stored is not None:
-            file, seal = file_and_seal(file, **stored, unchosen=unchosen)
+            made = file_and_seal(file, **stored, unchosen=unchosen)
         else:
             with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
-                file, seal = file_and_seal(file, progress, tried, unchosen=unchosen)
-            store_choice(read, file, seal)
+                made = file_and_seal(file, progress, tried, unchosen=unchosen)
+            store_choice(file, *made)
     # the choice decides the results: print it
-    for line in chosen_lines(file, seal):
+    for line in chosen_lines(*made):
         print(line if stored is None else f"{line} (by an earlier command)")
-    return file, seal
+    return made
 
 
 def notices(file: SealFile) -> list[str]:

@@ -83,9 +83,9 @@ class Workbench:
     def __init__(self, path, report: Callable, watch: Callable, chosen: dict | None = None):
         self.path, self.watch = Path(path), watch
         report("reading the file, placing particles")
-        self.file = read_seal_file(self.path)
+        read = read_seal_file(self.path)
         self.tables = tomllib.loads(read_text(self.path))
-        progress, read = Progress(report, watch), self.file
+        progress = Progress(report, watch)
         # in this session, or by an earlier command
         known = chosen or stored_choice(read)
         self.file, built = file_and_seal(read, progress, **(known or {}))

@@ -83,13 +83,12 @@ def test_a_changed_drawing_is_another_choice(tmp_path, choices, made, monkeypatc
 def test_other_code_is_another_choice(tmp_path, choices, made, monkeypatch):
     path = written(tmp_path, OPEN)
     seal_of(path)
-    package = tmp_path / "package"
-    package.mkdir()
-    (package / "new.py").write_text("constant = 1\n")
-    monkeypatch.setattr(stored_choice, "PACKAGE", package)
-    seal_of(path)
-    (package / "new.py").write_text("constant = 2\n")
-    seal_of(path)
+    for number in (1, 2):
+        package = tmp_path / f"package_{number}"
+        package.mkdir()
+        (package / "new.py").write_text(f"constant = {number}\n")
+        monkeypatch.setattr(stored_choice, "PACKAGE", package)
+        seal_of(path)
     assert len(made) == 3
     seal_of(path)
     assert len(made) == 3
