@@ -34,7 +34,7 @@ from seal_mdao.contact.rigid_forces import (
     slip_slopes,
 )
 from seal_mdao.errors import GeometryError
-from seal_mdao.geometry.curve import has_cubics
+from seal_mdao.geometry.curve import ARC, has_cubics
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.pose import quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
@@ -163,7 +163,9 @@ class ContactTerm(PointTerm):
         self._linearized = ()
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
-        self.rounding = self.law.normal_penalty * size * discretization.depth
+        # the gap of an arc is |x - m| - r, with the rounding error of r where r is large
+        arcs = np.abs(self.profile.radius[self.profile.kind == ARC])
+        self.rounding = self.law.normal_penalty * max([size, *arcs]) * discretization.depth
         # deformed coordinates, and those of the profile without its pose
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 
