@@ -31,7 +31,7 @@ def gaps_and_forces(design, file):
     return values[:, 0], values[:, 2]
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_the_robust_optimum_is_better_on_cars_that_nobody_has_seen(page, tmp_path):
     gaps, forces = {}, {}
     for name, design in page["designs"].items():

@@ -79,7 +79,7 @@ def test_flat_door_leaves_the_upright_branch(swayed, upright):
     assert swayed.critical_points[0].travel == pytest.approx(4.3, abs=0.15)
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_the_first_critical_travel_converges_with_the_cloud():
     """Twice as many particles along the boundary, a smaller difference, and both are small."""
     travel = [
@@ -178,8 +178,13 @@ def test_energy_balances_over_the_jumps(corner_x):
     assert abs(work - stored(result) - released) < 0.01 * released
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("corner_x", [0.0, 2.0, 4.0])
+@pytest.mark.parametrize(
+    "corner_x",
+    [
+        *(pytest.param(own, marks=pytest.mark.release) for own in (0.0, 2.0)),
+        pytest.param(4.0, marks=pytest.mark.long),
+    ],
+)
 def test_the_path_does_not_depend_on_the_number_of_steps(corner_x):
     coarse, middle, fine = (corner_door(corner_x, n) for n in (105, 210, 420))
     scale = fine.reaction[-1, 1]

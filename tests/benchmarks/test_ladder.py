@@ -42,7 +42,7 @@ def test_coarse_cloud_has_the_stored_values(name):
     coarse_values_agree(name)
 
 
-@pytest.mark.long
+@pytest.mark.release
 @pytest.mark.parametrize("name", [name for name, rung in RUNGS.items() if not rung.quick])
 def test_coarse_cloud_of_a_long_rung_has_the_stored_values(name):
     coarse_values_agree(name)

@@ -10,7 +10,8 @@ import seal_mdao as sm
     ("friction", "count"),
     [
         (0.05, 1),
-        *(pytest.param(friction, 12, marks=pytest.mark.long) for friction in (0.0, 0.05, 0.25)),
+        *(pytest.param(friction, 12, marks=pytest.mark.release) for friction in (0.0, 0.05)),
+        pytest.param(0.25, 12, marks=pytest.mark.long),
     ],
 )
 def test_designs_within_half_a_millimetre_complete(friction, count):

@@ -5,7 +5,7 @@ from robust_optima import fractions, run
 
 # of a symmetric seal the middle point is between stick and slip, which is a warning
 pytestmark = [
-    pytest.mark.long, pytest.mark.filterwarnings("default::seal_mdao.errors.KinkWarning")
+    pytest.mark.release, pytest.mark.filterwarnings("default::seal_mdao.errors.KinkWarning")
 ]  # fmt: skip
 QUICK = ("--samples=40", "--scenarios=6", "--max-iterations=8", "--workers=2")
 

@@ -51,8 +51,10 @@ def test_a_ring_pressed_flat_is_two_halves_on_a_line(pressed):
     assert (pressed.response("hole").branch != 0).sum() >= 6
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize(
+    "friction",
+    [pytest.param(0.0, marks=pytest.mark.release), pytest.param(0.5, marks=pytest.mark.long)],
+)
 def test_a_ring_pressed_flat_is_its_half_on_a_line(friction):
     """The cut of the half changes kernels there, which goes down with the distance of particles."""
     whole = squeezed("itself", rays=256, steps=46, friction=friction, bulk=8000.0)
@@ -211,8 +213,10 @@ def test_the_path_is_the_same_with_masters_and_slaves_exchanged(friction):
     np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-10 * np.abs(one).max())
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize(
+    "friction",
+    [pytest.param(0.0, marks=pytest.mark.release), pytest.param(0.5, marks=pytest.mark.long)],
+)
 def test_derivatives_of_the_ring_against_central_differences(friction):
     """Steps where Newton's tolerance over them is below 1e-7 of the derivative."""
     options = {"rays": 64, "steps": STEPS, "bulk": 1000.0}

@@ -83,8 +83,10 @@ def test_seal_far_from_the_drawn_one(drawn_model):
     check_along(result, any_way(2), further=FURTHER_NAMES)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("parameter", range(26))
+@pytest.mark.parametrize(
+    "parameter",
+    [pytest.param(p, marks=pytest.mark.release if p % 3 else pytest.mark.long) for p in range(26)],
+)
 def test_every_parameter_far_from_the_drawn_seal(drawn_model, parameter):
     """At one design: elsewhere the quotients of a norm of order 40 are too uncertain to show much."""
     design = design_away(drawn_model, 1)

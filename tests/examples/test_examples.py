@@ -166,9 +166,18 @@ def test_gradients_of_the_examples(path, tmp_path):
     gradients_agree(seal, np.random.default_rng(2).uniform(-0.02, 0.02, seal.n_offsets))
 
 
-@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::seal_mdao.errors.KinkWarning")
-@pytest.mark.parametrize("path", OPTIMISED, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(
+            path,
+            id=path.stem,
+            marks=pytest.mark.release if path.stem == LARGEST else pytest.mark.long,
+        )
+        for path in OPTIMISED
+    ],
+)
 def test_optima_of_the_examples(path, tmp_path):
     """Feasible KKT points as the page shows them, the same when read from their own files; designs on
     the way there may be at a kink of contact."""

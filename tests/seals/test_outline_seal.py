@@ -55,7 +55,7 @@ def test_reaction_of_the_ring():
     assert np.abs(reaction_errors(0.9)).max() < 0.03
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_reaction_converges():
     errors = [np.abs(reaction_errors(spacing)).max() for spacing in (0.9, 0.45, 0.3)]
     assert errors[0] < 0.03

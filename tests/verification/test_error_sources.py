@@ -87,7 +87,7 @@ def test_rays_and_layers_never_make_it_worse_with_the_pressure_through_the_wall(
     assert errors[-1, -1] < OWN
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_every_direction_of_refinement_makes_it_better():
     """Rays x layers x support x basis, from the limit of elements with the same contact law: 48 errors,
     each smaller than those before it."""
@@ -107,7 +107,7 @@ def test_fine_accuracy_is_where_nothing_makes_it_worse(figure):
     figure("flat door, fine accuracy: reaction at 2 ... 10 mm", error, LIMIT)
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_functions_of_engineering_accuracy_stay_within_half_a_percent():
     """Rays and layers: smaller errors, or below what the reference is off."""
     errors = errors_of(WIDE, (58, 116, 174), (3, 4, 5, 7))
@@ -115,7 +115,7 @@ def test_functions_of_engineering_accuracy_stay_within_half_a_percent():
         assert never_worse(np.delete(errors, -1, axis), np.delete(errors, 0, axis)), axis
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_with_three_points_in_both_directions_the_quadratic_basis_has_errors_of_one_sign():
     """With 2 x 2 points more layers are stiffer and more rays softer; with 3 x 3 all are softer."""
     rays, layers = (58, 116), (3, 4, 5, 7)

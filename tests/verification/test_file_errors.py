@@ -57,7 +57,7 @@ def test_contact_at_edges_is_halfway_between_particles():
     np.testing.assert_allclose(nearest[0, inner], nearest[1, inner], rtol=1e-12)
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_both_bases_converge_and_the_quadratic_one_is_no_better():
     file, seal = example("sealed_bulb")
     exact = fine_forces(file)
@@ -69,7 +69,7 @@ def test_both_bases_converge_and_the_quadratic_one_is_no_better():
     assert linear < quadratic < 0.015
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_contact_at_edges_misses_the_tip_of_a_lip():
     file, seal = example("slipping_lip")
     exact = fine_forces(file)

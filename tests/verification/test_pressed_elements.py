@@ -56,7 +56,7 @@ def test_tangent_is_that_of_the_residual(figure, rng):
     figure("elements of the door seal: tangent", error, 1e-7)
 
 
-@pytest.mark.long
+@pytest.mark.release
 @pytest.mark.parametrize("door", LIMITS)
 def test_finer_elements_meet_the_limit(door, figure):
     found = elements(door, 4, 116).press()

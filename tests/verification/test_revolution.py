@@ -302,7 +302,7 @@ def test_a_disc_beyond_the_limit_of_pressure_is_reported():
     assert "quadrature = 3 in [section]" in found
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_pressure_in_a_thin_disc_is_smooth_with_nine_points(figure):
     """At 20 %: the radial displacement of the middle plane, up to 6 mm, against a polynomial of degree 7
     (over the compression of the half disc)."""
