@@ -25,7 +25,7 @@ def drawing(tmp_path):
     return (folder / "strip.dxf").read_text()
 
 
-@pytest.mark.long
+@pytest.mark.release
 def test_drawing_to_optimum(browser, empty, drawing):
     page = Page(browser, empty.address)
     page.wait("return !document.getElementById('empty').hidden")

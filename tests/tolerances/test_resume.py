@@ -125,8 +125,10 @@ def test_sigkill_of_the_whole_study_loses_nothing_that_was_told(whole, study, tm
     check_killed(tmp_path, whole, study, [0.02], workers=0)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(n, marks=pytest.mark.release if n > 1 else pytest.mark.long) for n in range(5)],
+)
 def test_sigkill_at_random_moments(whole, study, tmp_path, seed):
     """Twice each, in line and with two processes: ten moments within the time that all samples take."""
     rng = np.random.default_rng(seed)

@@ -9,7 +9,7 @@ from verification.accuracy_study import FUNCTION, cases, compute, key, stored
 SHOWN = 5e-5
 """Half a unit of the last digit of an error on the page, which is one of percent with two decimals."""
 SAMPLE = [
-    (name, own[i])
+    pytest.param(name, own[i], marks=pytest.mark.release if i else pytest.mark.long)
     for name, own in cases().items()
     for i in sorted({0, len(own) // 2})
     if own[i] != {"name": "lip"}
@@ -46,7 +46,6 @@ def test_stored_errors_of_bending(across):
     same_as_shown(compute("bending_error", own), stored("bending_error", **own))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(("quantity", "own"), SAMPLE, ids=lambda part: str(part)[:60])
 def test_stored_errors_of_the_accuracy_page(quantity, own):
     value, reference = compute(quantity, own), stored(quantity, **own)
