@@ -44,13 +44,13 @@ def stored_choice(file: SealFile) -> dict | None:
     return found
 
 
-def store_choice(read: SealFile, file: SealFile, seal: OutlineSeal) -> None:
-    """Store what was chosen for the file ``read``: for its seal, and ``file`` with the particles.
+def store_choice(file: SealFile, seal: OutlineSeal) -> None:
+    """Store what was chosen for the seal of a file with the particles of the seal.
 
     Load steps whose error is above the allowed one are not stored, because their warning depends on the
     analyses of the choice.
     """
-    path = _path(read)
+    path = _path(file)
     if path is None or seal.step_error:
         return
     # other processes see a complete file or none

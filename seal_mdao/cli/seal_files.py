@@ -108,7 +108,7 @@ def seal_of(
         else:
             with LoadStepProgress(None, f"choosing {_open_in(file)}") as progress:
                 made = file_and_seal(file, progress, tried, unchosen=unchosen)
-            store_choice(file, *made)
+            store_choice(*made)
     # the choice decides the results: print it
     for line in chosen_lines(*made):
         print(line if stored is None else f"{line} (by an earlier command)")

@@ -90,7 +90,7 @@ class Workbench:
         known = chosen or stored_choice(read)
         self.file, built = file_and_seal(read, progress, **(known or {}))
         if known is None:
-            store_choice(read, self.file, built)
+            store_choice(self.file, built)
         self.chosen, self._plain, self._report = chosen_for(self.file, built), built, report
         self.seal = with_handles(built, self.file)
         self.seal.made_from(description(self.file, built) | {"handles": True})

@@ -4,6 +4,7 @@ import json
 import os
 import time
 
+import numpy as np
 import pytest
 from coarse_seal import OPEN, written
 
@@ -169,7 +170,9 @@ def test_reading_a_choice_counts_as_use(tmp_path, choices):
 
 
 def test_files_that_leave_nothing_open_store_nothing(tmp_path, choices, made):
-    seal_of(written(tmp_path))
+    path = written(tmp_path)
+    seal_of(path)
+    Workbench(path, report=lambda text: None, watch=lambda: None)
     assert not made
     assert not choices.exists()
 
@@ -188,3 +191,13 @@ def test_a_command_takes_the_choice_of_the_live_section(tmp_path, choices, made)
     assert len(made) == 1
     assert seal_of(path).n_steps == bench.seal.n_steps
     assert len(made) == 1
+
+
+def test_particles_for_an_accuracy_are_stored_for_the_file_as_written(tmp_path, choices, made):
+    accurate = {"spacing = 1.8": 'spacing = 1.8\naccuracy = { reaction = "40 %" }'}
+    path = written(tmp_path, OPEN | accurate)
+    first = seal_of(path)
+    chosen = len(made)
+    again = seal_of(path)
+    assert len(made) == chosen > 0
+    np.testing.assert_array_equal(again.nominal_particles, first.nominal_particles)
