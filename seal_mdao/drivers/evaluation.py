@@ -69,7 +69,8 @@ class ModelEvaluator:
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
 
     def start(self) -> Evaluation:
-        """Run the model at its initial design, clipped to the bounds, and return the values.
+        """Run the model at its initial design, clipped to the bounds, and return the values: those of the
+        earlier run where one is continued.
 
         Raises
         ------
@@ -84,7 +85,20 @@ class ModelEvaluator:
         evaluation = self._execute(inside, already_set=np.array_equal(inside, x), run=True)
         if self._recorded is not None:
             self._recorded.check_start()
+            self._known[inside.tobytes()] = evaluation = self._start_as_recorded(evaluation)
         return evaluation
+
+    def _start_as_recorded(self, evaluation: Evaluation) -> Evaluation:
+        """Return the recorded values of the start, whose last digits may differ from those computed now by
+        another version or processor: with them the optimiser takes the recorded steps."""
+        case = self._recorded.find()
+        # without derivatives it took no step
+        if case is None or case.failure or not case.totals:
+            return evaluation
+        self._recorded.restore(case)
+        # the state of the model is that of its run no more
+        self._loaded = None
+        return self._values_at(evaluation.x)
 
     def evaluate(self, x: NDArray[np.float64]) -> Evaluation:
         """Return the values at ``x``, clipped to the bounds; the model runs at most once per point.
@@ -188,8 +202,12 @@ class ModelEvaluator:
             # continued run: recorded values instead of an analysis
             driver.reused_evaluations += 1
             self._recorded.restore(recorded)
+        return self._values_at(x)
+
+    def _values_at(self, x) -> Evaluation:
+        """Return the values that are in the model, which belong to ``x``."""
         # scaled values in the order of the driver
-        by_name = driver.get_objective_values(), driver.get_constraint_values()
+        by_name = self.driver.get_objective_values(), self.driver.get_constraint_values()
         objective, constraints = flat(by_name[0])[0], flat(by_name[1])
         wrong = [name for own in by_name for name, x in own.items() if not np.isfinite(x).all()]
         if wrong:

@@ -283,6 +283,21 @@ def test_other_model_is_noticed(make_driver):
         problem.run_driver()
 
 
+def test_another_processor_takes_the_recorded_steps(make_driver):
+    """At the start its values differ in their last digits."""
+    _, _, expected = whole_run(make_driver)
+    cut_run(make_driver, 9)
+    problem = valley_problem(make_driver(maxiter=3))
+    problem.model.valley.options["rounding"] = 1e-12
+    sm.restart(problem, "./cases.sql")
+    problem.run_driver()
+    problem.cleanup()
+    # the start and, where the limit is met, the design at which the run ends
+    assert problem.model.valley.calls <= 2
+    assert problem.driver.reused_evaluations >= 3
+    assert np.array_equal(designs(), expected[:8])
+
+
 def test_file_without_the_constraint_is_refused(make_driver):
     problem = valley_problem(make_driver())
     problem.driver.add_recorder(om.SqliteRecorder("./cases.sql"))

@@ -15,6 +15,7 @@ class Valley(om.ExplicitComponent):
 
     def initialize(self):
         self.options.declare("steep", default=20.0)
+        self.options.declare("rounding", default=0.0)
         self.options.declare("on_call", default=None, recordable=False)
         self.options.declare("on_gradient", default=None, recordable=False)
 
@@ -31,7 +32,7 @@ class Valley(om.ExplicitComponent):
         if self.options["on_call"] is not None:
             self.options["on_call"](self, x)
         outputs["f"] = np.sum((1 - x[:-1]) ** 2) + steep * np.sum((x[1:] - x[:-1] ** 2) ** 2)
-        outputs["g"] = x @ x
+        outputs["g"] = (1.0 + self.options["rounding"]) * (x @ x)
 
     def compute_partials(self, inputs, partials):
         self.gradients += 1
