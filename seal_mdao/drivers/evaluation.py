@@ -69,8 +69,8 @@ class ModelEvaluator:
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
 
     def start(self) -> Evaluation:
-        """Run the model at its initial design, clipped to the bounds, and return the values: those of the
-        earlier run where one is continued.
+        """Run the model at its initial design, clipped to the bounds, and return the values; where a
+        run is continued, those of that run.
 
         Raises
         ------
@@ -89,8 +89,10 @@ class ModelEvaluator:
         return evaluation
 
     def _start_as_recorded(self, evaluation: Evaluation) -> Evaluation:
-        """Return the recorded values of the start, whose last digits may differ from those computed now by
-        another version or processor: with them the optimiser takes the recorded steps."""
+        """Return the recorded values of the start: with them the optimiser takes the recorded steps.
+
+        Another version or processor may compute others in the last digits.
+        """
         case = self._recorded.find()
         # without derivatives it took no step
         if case is None or case.failure or not case.totals:
