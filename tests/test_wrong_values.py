@@ -3,6 +3,7 @@
 import re
 from dataclasses import fields
 from fractions import Fraction
+from inspect import cleandoc
 
 import numpy as np
 import openmdao.api as om
@@ -145,7 +146,7 @@ STATED = [
 
 @pytest.mark.parametrize(("kind", "keyword"), STATED, ids=map("-".join, STATED))
 def test_every_keyword_is_described(kind, keyword):
-    described = re.findall(r"^    ([a-z_0-9, ]+) : ", _class(kind).__doc__, re.MULTILINE)
+    described = re.findall(r"^([a-z_0-9, ]+) : ", cleandoc(_class(kind).__doc__), re.MULTILINE)
     assert keyword in ", ".join(described).split(", ")
 
 
