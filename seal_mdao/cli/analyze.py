@@ -297,7 +297,8 @@ def export_to_abaqus(file, seal, path: Path) -> None:
     """Write the input file of Abaqus, and print what it does not contain."""
     for text in write_abaqus(file, seal, path):
         print(f"WARNING: not exported to {path.name}: {text}")
-    print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in N/m)")
+    force = "mN" if seal.body.axisymmetric else "N/m"
+    print(f"{path}: section, contact and motion for Abaqus (mm, kPa; forces in {force})")
 
 
 def report_faults(result: SealResult) -> None:

@@ -86,6 +86,18 @@ class BlowOffPressure(Measure):
         last = min(failed, len(states) - 1)
         return self._crossing(partials, term, needed, states[max(last - 1, 0)], states[last])
 
+    def missing(self, result):
+        term = result.term(self.fluid)
+        # the value at the limit of extrapolation, where it is no result but a lower bound
+        if result.value(self)[0] < (1.0 + BEYOND) * term.pressure * float(term.ramp.max()):
+            return ""
+        return (
+            f"{self.name}: the seal retains the complete pressure of the fluid {self.fluid!r}, "
+            f"{term.pressure:.6g} kPa, so the value {(1.0 + BEYOND) * term.pressure:.6g} kPa is the "
+            "limit of extrapolation; the blow-off pressure is higher, or there is no blow-off; "
+            "increase the pressure of the fluid to compute it"
+        )
+
     def _states(self, result, term):
         """Generate the states with pressure, and the one before."""
         steps, closed = result.path.nominal_steps, int(np.flatnonzero(term.ramp)[0]) - 1

@@ -165,8 +165,8 @@ class Measure:
         define one."""
 
     def missing(self, result) -> str:
-        """Describe in one line why its value is not a number in a completed path; empty if it is a
-        number."""
+        """Describe in one line why its value in a completed path is not a number, or is only a bound;
+        empty if it is the value of the measure."""
         return ""
 
     def check(self, seal) -> None:

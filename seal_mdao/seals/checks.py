@@ -15,6 +15,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
+from seal_mdao.loads.fluid_pressure import FluidPressureTerm
 from seal_mdao.measures.singular_points import REENTRANT_CORNER, singular_points
 from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.arbitrary_side import arbitrary_side
@@ -85,7 +86,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = EvaluationPoints(path)
         checks = (
             _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _strains, _creases, _side,
+            _below_base, _contact_loss, _dry_fluids, _strains, _creases, _side,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -146,6 +147,23 @@ def _contact_loss(samples: EvaluationPoints):
     never touches."""
     for text in (*contact_losses(samples.path), *untouched_profiles(samples.path)):
         yield Finding(text, False)
+
+
+def _dry_fluids(samples: EvaluationPoints):
+    """Report a fluid that contact stops at the end of its edge, so that it acts nowhere."""
+    path = samples.path
+    at_end = path.steps[-1].fraction
+    for term in path.problem.terms:
+        if not isinstance(term, FluidPressureTerm) or term.pressure_at(at_end) == 0.0:
+            continue
+        # w = 0 at every particle of the edge
+        if not path.responses(term.label)[-1].outputs[:, 0].any():
+            yield Finding(
+                f"the fluid {term.label!r} has no effect: the contact pressure of a profile stops it "
+                "at the end of its edge from which it comes; begin its edges (edge) with the free "
+                "edge on the wet side, or change the end (from)",
+                False,
+            )
 
 
 def _creases(samples: EvaluationPoints):

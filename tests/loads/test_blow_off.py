@@ -40,6 +40,7 @@ def test_it_is_where_the_fluid_comes_through(blown):
     last = blown.term("fluid").pressure_at(prescribed(blown)[-1].fraction)
     assert 0.0 < last < PRESSURE
     assert last < blown.value(BLOW_OFF)[0] < last + PRESSURE / 20
+    assert not BLOW_OFF.missing(blown)
 
 
 def test_it_falls_when_the_squeeze_falls():
@@ -92,6 +93,8 @@ def test_a_seal_that_holds_says_more_than_was_applied():
     result = sm.analyze(gasket(600.0, steps=6))
     assert result.converged
     assert result.value(BLOW_OFF)[0] == pytest.approx(660.0)
+    (text,) = (own for own in result.warnings if own.startswith("blow_off_pressure"))
+    assert "the complete pressure of the fluid 'fluid', 600 kPa" in text
     for method in ("direct", "adjoint"):
         found = table(result, method)
         assert not found[:-1].any()

@@ -7,6 +7,7 @@ import meshio
 import numpy as np
 import pytest
 from coarse_seal import OPEN, written
+from ring_files import cylinder
 
 import seal_mdao as sm
 from seal_mdao import mesh_files
@@ -275,6 +276,10 @@ def test_input_file_of_abaqus(tmp_path, run_script, capsys):
     assert text.count("*STEP, NAME=STAGE_") == 2
     # as many increments as load steps
     assert "*STATIC\n0.25, 1." in text
+    assert "(mm, kPa; forces in N/m)" in said
+    (tmp_path / "ring.toml").write_text(cylinder())
+    assert run_script("analyze", tmp_path, tmp_path / "ring.toml", "--abaqus", "--no-vtu")[0] == 0
+    assert "(mm, kPa; forces in mN)" in capsys.readouterr().out
 
 
 def test_a_law_that_abaqus_does_not_have_is_refused_before_the_analysis(

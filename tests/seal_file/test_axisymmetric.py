@@ -41,6 +41,14 @@ def test_contact_is_at_averages_unless_a_fluid_needs_particles(tmp_path, fluid, 
     assert profile.contact_points == points
 
 
+@pytest.mark.parametrize(("edges", "dry"), [('"top", "bore"', True), ('"side", "top"', False)])
+def test_a_fluid_that_begins_in_the_contact_is_reported(tmp_path, edges, dry):
+    text = ring(start=2.0, translate=(0.0, -0.3))
+    text += f'[[fluid]]\nedge = [{edges}]\nfrom = "start"\npressure = 1.0\n'
+    warnings = sm.analyze(sm.build_seal(read(tmp_path, text))).warnings
+    assert dry == any("the fluid 'fluid' has no effect" in own for own in warnings)
+
+
 def test_the_ring_beside_the_axis_is_free_there(tmp_path):
     assert read(tmp_path, ring()).supports == {"base": (0, 1)}
 
