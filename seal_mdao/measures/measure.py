@@ -200,6 +200,10 @@ class Measure:
         two of them, shape (k,); none for most measures."""
         return np.empty(0)
 
+    needs_whole_path = False
+    """Whether a value that is interpolated between steps depends on the lengths of the other steps,
+    too, so that these are chosen for it."""
+
     @property
     def at_end(self) -> bool:
         """Whether its value at the end of a shorter part of the path is the value there; not so for a

@@ -137,12 +137,12 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
 
 def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
     """Compute the largest relative difference of the measures, at the points of ``fine``, without those
-    that are interpolated between steps."""
+    that are interpolated between steps, unless they depend on all steps."""
     worst, measures = 0.0, standard_measures(fine)
     # expected change c/w_coarse - c/w_fine
     known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
     for measure in measures:
-        if not measure.between_steps(fine).size:
+        if measure.needs_whole_path or not measure.between_steps(fine).size:
             apart = _relative(coarse, fine, measure, known.get(measure.name, 0.0))
             worst = max(worst, float(apart.max(initial=0.0)))
     return worst

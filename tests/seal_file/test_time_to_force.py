@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from block_files import DESIGN, FIXED, LID, exact_seal, read, text
 from quotients import quotients
-from test_viscoelastic import HOT, SHIFTED, constants, relaxing
+from test_viscoelastic import HOT, SERIES, SHIFTED, constants, relaxing
 
 import seal_mdao as sm
 
@@ -133,3 +133,17 @@ def test_what_does_not_fit_is_refused(tmp_path, old, new, words):
 def test_a_seal_that_does_not_relax_has_none(tmp_path):
     with pytest.raises(sm.SealFileError, match="needs a viscoelastic material"):
         read(tmp_path, text(FIXED, LID, MEASURES))
+
+
+def test_chosen_load_steps_resolve_the_time(tmp_path):
+    """Also in a dwell, in which displacements hardly change."""
+    few = "\nstage = [{ translate = [0, -0.5], duration = 0.1 }, { duration = 1e6 }]\n"
+    many = few.replace("0.1 }", "0.1, steps = 32 }").replace("1e6 }", "1e6, steps = 160 }")
+    block = text(FIXED, LID, '[[measure]]\ntype = "time_to_force_fraction"\nfraction = 0.65\n')
+    times = [
+        sm.analyze(sm.build_seal(read(tmp_path, relaxing(block, SERIES, stages)))).value(
+            "time_to_force_fraction"
+        )[0]
+        for stages in (few, many)
+    ]
+    assert times[0] == pytest.approx(times[1], rel=0.01)
