@@ -2,7 +2,7 @@
 
 import sqlite3
 import time
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
@@ -49,17 +49,19 @@ class StudyRecord:
         self.path, self._inputs, self._measures = Path(path), tuple(inputs), tuple(measures)
         # one process writes the file at a time
         self._lock = claim(self.path)
-        try:
-            self._file = without_programs(sqlite3.connect(self.path))
-            # write-ahead log: readers do not block the study
-            self._file.execute("PRAGMA journal_mode = WAL")
-            self._begin(settings)
-        except sqlite3.DatabaseError as error:
-            self._lock.release()
-            raise StudyFileError(f"{path} is not a file of a tolerance study: {error}") from None
-        except BaseException:
-            self._lock.release()
-            raise
+        # after an error the file is closed and its lock released
+        with ExitStack() as opened:
+            opened.callback(self._lock.release)
+            try:
+                self._file = opened.enter_context(closing(sqlite3.connect(self.path)))
+                without_programs(self._file)
+                # write-ahead log: readers do not block the study
+                self._file.execute("PRAGMA journal_mode = WAL")
+                self._begin(settings)
+            except sqlite3.DatabaseError as error:
+                text = f"{path} is not a file of a tolerance study: {error}"
+                raise StudyFileError(text) from None
+            opened.pop_all()
 
     def _begin(self, settings) -> None:
         of_samples = dict.fromkeys(self._inputs, "REAL NOT NULL")

@@ -3,7 +3,7 @@
 import os
 import signal
 import sqlite3
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import openmdao.api as om
@@ -30,7 +30,7 @@ def finished(make_driver):
 
 
 def contents(path):
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection:
         return list(connection.iterdump())
 
 
