@@ -1,5 +1,6 @@
 """No recorder file runs code, reads without end, or makes SQLite delete another file."""
 
+import gc
 import json
 import sqlite3
 import subprocess
@@ -11,7 +12,7 @@ from pathlib import Path
 import openmdao
 import openmdao.api as om
 import pytest
-from hostile import ATTACKS, UNITS, change, put
+from hostile import ATTACKS, LEFT_OPEN, UNITS, change, put
 from openmdao.recorders.sqlite_reader import SqliteCaseReader
 from valley import record, valley_problem
 
@@ -48,6 +49,7 @@ def exploded():
     return Path("exploded").exists()
 
 
+@LEFT_OPEN
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_attack_runs_nothing(cases, attack):
     attack(cases)
@@ -58,6 +60,7 @@ def test_attack_runs_nothing(cases, attack):
     assert not exploded()
     with suppress(Exception):  # a reader that trusts the file
         SqliteCaseReader(str(cases), pre_load=True)
+    gc.collect()
     assert exploded()
 
 

@@ -281,6 +281,7 @@ def test_other_model_is_noticed(make_driver):
         ValueError, match=r"recorded with another model: at the initial design.*valley\.f"
     ):
         problem.run_driver()
+    problem.cleanup()
 
 
 def test_another_processor_takes_the_recorded_steps(make_driver):

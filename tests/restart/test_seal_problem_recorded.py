@@ -76,6 +76,7 @@ def test_another_problem_is_not_continued(tmp_path):
     same = problem_of(seal, DoorProblem(), tmp_path)
     continue_run(same, cases)
     same.run_driver()
+    same.cleanup()
     assert same.driver.reused_evaluations > 0
 
 
