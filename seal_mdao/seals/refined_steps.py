@@ -38,6 +38,8 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
     errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
     # error of interpolated measures, and the steps within which it is too large
     between, within = 0.0, np.empty(0, int)
+    # a measure may depend on small errors of all steps, of which displacements say nothing
+    of_all = any(measure.needs_whole_path for measure in standard_measures(coarse))
     for _ in range(ROUNDS):
         error = errors[-1]
         changed = adjusted_penalties(coarse, names, penalty_tolerance) if corrections else {}
@@ -45,7 +47,7 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         if enough or (between <= tolerance and _does_not_settle(errors)):
             break
         # next path: divided steps, other penalties
-        parts = _parts(error, drift, tolerance)
+        parts = _parts(error, np.ones(len(ends)) if of_all else drift, tolerance)
         parts[within] = 2
         finer = divided(ends, parts)
         other_seal = with_own_parameters(seal.with_parameters(changed)) if changed else seal

@@ -1,6 +1,7 @@
 """The measure ``time_to_force_fraction``: value, derivatives, and a fraction that is not reached."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,3 +148,17 @@ def test_chosen_load_steps_resolve_the_time(tmp_path):
         for stages in (few, many)
     ]
     assert times[0] == pytest.approx(times[1], rel=0.01)
+
+
+@pytest.mark.long
+def test_chosen_load_steps_before_the_dwell_are_short_enough(tmp_path):
+    """An error of 0.1 % of the force at the beginning of the dwell is one of 2 % of the time."""
+    few = (Path(__file__).parent / "warm_lip.toml").read_text(encoding="utf-8")
+    many = few.replace("duration = 0.1 }", "duration = 0.1, steps = 128 }").replace(
+        "1000.0 }", "1000.0, steps = 240 }"
+    )
+    times = [
+        sm.analyze(sm.build_seal(read(tmp_path, own))).value("time_to_force_fraction")[0]
+        for own in (few, many)
+    ]
+    assert times[0] == pytest.approx(times[1], rel=0.005)
