@@ -164,8 +164,8 @@ class ContactTerm(PointTerm):
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())
         # the gap of an arc is |x - m| - r, with the rounding error of r where r is large
-        arcs = np.abs(self.profile.radius[self.profile.kind == ARC])
-        self.rounding = self.law.normal_penalty * max([size, *arcs]) * discretization.depth
+        largest = np.abs(self.profile.radius[self.profile.kind == ARC]).max(initial=size)
+        self.rounding = self.law.normal_penalty * float(largest) * discretization.depth
         # deformed coordinates, and those of the profile without its pose
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 

@@ -88,14 +88,15 @@ class BlowOffPressure(Measure):
 
     def missing(self, result):
         term = result.term(self.fluid)
-        # the value at the limit of extrapolation, where it is no result but a lower bound
-        if result.value(self)[0] < (1.0 + BEYOND) * term.pressure * float(term.ramp.max()):
+        value, last = result.value(self)[0], float(term.ramp[-1])
+        # the limit of extrapolation, see ``_crossing``, is no result but a lower bound
+        if value < (last + BEYOND) * term.pressure:
             return ""
         return (
             f"{self.name}: the seal retains the complete pressure of the fluid {self.fluid!r}, "
-            f"{term.pressure:.6g} kPa, so the value {(1.0 + BEYOND) * term.pressure:.6g} kPa is the "
-            "limit of extrapolation; the blow-off pressure is higher, or there is no blow-off; "
-            "increase the pressure of the fluid to compute it"
+            f"{last * term.pressure:.6g} kPa, so the value {value:.6g} kPa is the limit of "
+            "extrapolation; the blow-off pressure is higher, or there is no blow-off; increase the "
+            "pressure of the fluid to compute it"
         )
 
     def _states(self, result, term):

@@ -142,6 +142,9 @@ class Measure:
     needs_points : bool
         Whether its value is that of single contact points of ``profile``, such as a peak or the ends of
         a contact, which a few points in contact do not resolve.
+    needs_all_steps : bool
+        Whether its error may come from load steps in which displacements hardly change, so that the
+        choice of load steps divides all of them.
     """
 
     name = ""
@@ -150,6 +153,7 @@ class Measure:
     scalar = False
     wants_end = True
     needs_points = False
+    needs_all_steps = False
 
     @property
     def scalars(self) -> dict:
@@ -199,10 +203,6 @@ class Measure:
         """Return the fractions of a path, in nominal steps, at which the value is interpolated between
         two of them, shape (k,); none for most measures."""
         return np.empty(0)
-
-    needs_whole_path = False
-    """Whether a value that is interpolated between steps depends on the lengths of the other steps,
-    too, so that these are chosen for it."""
 
     @property
     def at_end(self) -> bool:

@@ -65,7 +65,7 @@ class TimeToForceFraction(Measure):
     units = "s"
     text = "Time until the force has fallen to a fraction of the force at the end of a stage."
     at_end = False
-    needs_whole_path = True
+    needs_all_steps = True
 
     def check(self, seal):
         first = stage_times(seal.terms()[0], self.name).first
@@ -112,34 +112,17 @@ class TimeToForceFraction(Measure):
             f"{self.fraction:g}; use a longer dwell or a larger fraction"
         )
 
-    def _crossing(self, forces) -> tuple[int, float] | None:
-        """Find the first step k of the dwell after which the force has fallen to the fraction, and the
-        part w of it at which it falls to it; None where it does not (see ``missing``)."""
-        fallen = np.flatnonzero(forces / forces[0] <= self.fraction) if forces[0] else ()
-        if not len(fallen):
-            return None
-        # the first step after which F_k <= f F_0
-        k = int(fallen[0])
-        # w = (f F_0 - F_(k-1)) / (F_k - F_(k-1))
-        return k, (self.fraction * forces[0] - forces[k - 1]) / (forces[k] - forces[k - 1])
-
-    def between_steps(self, result):
-        _, fractions, forces = self._dwell(result)
-        crossing = self._crossing(forces)
-        if crossing is None:
-            return np.empty(0)
-        k, w = crossing
-        # within the step k, also where the force falls to the fraction at its end
-        return fractions[k - 1 : k] + min(w, 0.5)
-
     def evaluate(self, result, partials):
         begin, fractions, forces = self._dwell(result)
-        crossing = self._crossing(forces)
-        if crossing is None:
+        # f F_0 is not reached, see ``missing``
+        fallen = np.flatnonzero(forces / forces[0] <= self.fraction) if forces[0] else ()
+        if not len(fallen):
             return np.nan
-        # s = k - 1 + w,  m = t(s) - t(s_0)
-        k, w = crossing
+        # the first step after which F_k <= f F_0
+        k = int(fallen[0])
+        # s = k - 1 + w,  w = (f F_0 - F_(k-1)) / (F_k - F_(k-1)),  m = t(s) - t(s_0)
         change = forces[k] - forces[k - 1]
+        w = (self.fraction * forces[0] - forces[k - 1]) / change
         at = float(fractions[k - 1] + w)
         times = self._times(result)
         # dm = dt/ds ds + (dt/dp(s) - dt/dp(s_0)) dp,

@@ -38,8 +38,8 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
     errors, drift, corrections = [np.inf], np.ones(len(ends)), CORRECTIONS
     # error of interpolated measures, and the steps within which it is too large
     between, within = 0.0, np.empty(0, int)
-    # a measure may depend on small errors of all steps, of which displacements say nothing
-    of_all = any(measure.needs_whole_path for measure in standard_measures(coarse))
+    # for some measures drifts do not show which steps are too long
+    all_alike = any(measure.needs_all_steps for measure in standard_measures(coarse))
     for _ in range(ROUNDS):
         error = errors[-1]
         changed = adjusted_penalties(coarse, names, penalty_tolerance) if corrections else {}
@@ -47,7 +47,7 @@ def with_refined_steps(seal, ends, coarse: SealResult, tolerance, names, penalty
         if enough or (between <= tolerance and _does_not_settle(errors)):
             break
         # next path: divided steps, other penalties
-        parts = _parts(error, np.ones(len(ends)) if of_all else drift, tolerance)
+        parts = _parts(error, np.ones(len(ends)) if all_alike else drift, tolerance)
         parts[within] = 2
         finer = divided(ends, parts)
         other_seal = with_own_parameters(seal.with_parameters(changed)) if changed else seal
@@ -139,12 +139,12 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
 
 def measure_difference(coarse: SealResult, fine: SealResult, by_penalties: bool = False) -> float:
     """Compute the largest relative difference of the measures, at the points of ``fine``, without those
-    that are interpolated between steps, unless they depend on all steps."""
+    that are interpolated between steps."""
     worst, measures = 0.0, standard_measures(fine)
     # expected change c/w_coarse - c/w_fine
     known = _changes_by_penalties(coarse, fine, measures) if by_penalties else {}
     for measure in measures:
-        if measure.needs_whole_path or not measure.between_steps(fine).size:
+        if not measure.between_steps(fine).size:
             apart = _relative(coarse, fine, measure, known.get(measure.name, 0.0))
             worst = max(worst, float(apart.max(initial=0.0)))
     return worst
