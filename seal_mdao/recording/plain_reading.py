@@ -64,18 +64,14 @@ class PlainDatabase:
         self._bytes = sum(file.stat().st_size for file in (path, *beside) if file.is_file())
         self._steps = LEAST_STEPS + STEPS_PER_BYTE * self._bytes
         self._connection = own = sqlite3.connect(path)
-        try:
-            # no function has no arguments: a schema that calls one is refused
-            own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)
-            own.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(self._bytes, 10**6))
-            # ends endless queries
-            own.set_progress_handler(self._out_of_steps, 1000)
-            own.execute("PRAGMA trusted_schema = OFF")
-            own.execute("PRAGMA query_only = ON")
-            own.set_authorizer(_rows_of_tables)
-        except BaseException:
-            own.close()
-            raise
+        # no function has no arguments: a schema that calls one is refused
+        own.setlimit(sqlite3.SQLITE_LIMIT_FUNCTION_ARG, 0)
+        own.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, max(self._bytes, 10**6))
+        # ends endless queries
+        own.set_progress_handler(self._out_of_steps, 1000)
+        own.execute("PRAGMA trusted_schema = OFF")
+        own.execute("PRAGMA query_only = ON")
+        own.set_authorizer(_rows_of_tables)
 
     def _out_of_steps(self) -> bool:
         self._steps -= 1000

@@ -38,6 +38,16 @@ def test_names_that_sql_takes_for_one_are_refused(tmp_path, inputs, measures):
     StudyRecord(tmp_path / "samples.sqlite", {}, ("a",), ("b",)).close()  # the lock is free
 
 
+def test_a_file_that_is_none_of_samples_is_closed(tmp_path, monkeypatch):
+    path, opened, connect = tmp_path / "samples.sqlite", [], sqlite3.connect
+    path.write_text("no database " * 100)
+    monkeypatch.setattr(sqlite3, "connect", lambda at: opened.append(connect(at)) or opened[0])
+    with pytest.raises(StudyFileError, match="is not a file of a tolerance study"):
+        StudyRecord(path, {}, ("a",), ("b",))
+    with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+        opened[0].execute("SELECT 1")
+
+
 @pytest.mark.parametrize(
     "program",
     [
