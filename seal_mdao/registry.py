@@ -7,7 +7,7 @@ by name only: a name is looked up here; a file cannot import a path or a module.
 from collections.abc import Callable, Iterable
 from dataclasses import is_dataclass
 from functools import cache
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoints, entry_points
 from typing import NamedTuple
 
 from seal_mdao.materials.isotropic import Isotropic
@@ -152,5 +152,10 @@ def _what(kind: str) -> str:
 
 
 @cache
-def _installed(kind: str) -> tuple:
-    return tuple(entry_points(group=f"seal_mdao.{kind}"))
+def _entry_points() -> EntryPoints:
+    # read once for all kinds: the files of every installed distribution
+    return entry_points()
+
+
+def _installed(kind: str) -> EntryPoints:
+    return _entry_points().select(group=f"seal_mdao.{kind}")

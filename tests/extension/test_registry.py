@@ -36,10 +36,10 @@ def install(tmp_path, monkeypatch):
         )
         lines = [f"[seal_mdao.{kind}]", *points]
         (info / "entry_points.txt").write_text("\n".join(lines))
-        registry._installed.cache_clear()
+        registry._entry_points.cache_clear()
 
     yield installed
-    registry._installed.cache_clear()
+    registry._entry_points.cache_clear()
     for name in [name for name in sys.modules if name.startswith("rubber_")]:
         del sys.modules[name]
 

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from types import UnionType
 from typing import Annotated, Union, get_args, get_origin, get_type_hints
 
-from pydantic import Strict, TypeAdapter, WrapValidator
+from pydantic import Strict, WrapValidator
 from pydantic_core import PydanticCustomError, core_schema
 
 from seal_mdao import registry
@@ -21,7 +21,7 @@ from seal_mdao.seals.file.forms import (
     one_of,
     whole,
 )
-from seal_mdao.seals.file.schema import CHOICE, Table, key, suggestion, table_of
+from seal_mdao.seals.file.schema import CHOICE, Table, key, suggestion, table_of, validated
 
 CLOSE, MOST_LISTED = 4, 20
 """Names that a message gives, the nearest to what was written, in place of more than so many."""
@@ -77,7 +77,7 @@ class Extensible(Form):
         name = given.get(self.key)
         own = self.found(name)
         if own is not None:
-            return TypeAdapter(own).validate_python(given)
+            return validated(own, given)
         if not isinstance(name, str) or name not in self.shipped:
             # the name is what is wrong, whatever else there is
             raise PydanticCustomError(

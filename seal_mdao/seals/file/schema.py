@@ -6,16 +6,14 @@ error messages, the JSON schema for editors and the reference tables of the docu
 """
 
 from difflib import get_close_matches
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from operator import or_
 from types import UnionType
 from typing import Annotated, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     ConfigDict,
-    Discriminator,
     Field,
-    Tag,
     TypeAdapter,
     ValidationError,
     model_validator,
@@ -146,25 +144,55 @@ def rows(one):
     return Annotated[tuple[one, ...], _Rows()]
 
 
-def chosen_by(name: str, classes: dict, tag=None):
-    """Make the annotation of a table whose class is found by the text of its key ``name``.
+@cache
+def _adapter(own) -> TypeAdapter:
+    return TypeAdapter(own)
+
+
+def validated(own: type[Table], given) -> Table:
+    """Validate a table by its class, whose schema is built when it is first used."""
+    return _adapter(own).validate_python(given)
+
+
+class _Chosen:
+    """Type of a table whose class is found by the text of its key ``name``; see ``chosen_by``."""
+
+    name: str
+    classes: dict
+    tag = None
+
+    @classmethod
+    def _texts(cls) -> tuple:
+        # several classes may share a text of the key: "law" and "law: data"
+        return tuple(dict.fromkeys(tag.partition(":")[0] for tag in cls.classes))
+
+    @classmethod
+    def _read(cls, given) -> Table:
+        if not isinstance(given, dict):  # refused by any class
+            return validated(next(iter(cls.classes.values())), given)
+        text, texts = given.get(cls.name), cls._texts()
+        if not isinstance(text, str) or text not in texts:
+            context = {"key": cls.name, "allowed": f"one of {', '.join(texts)}"}
+            raise PydanticCustomError(CHOICE, "{allowed}", context)
+        return validated(cls.classes[text if cls.tag is None else cls.tag(given)], given)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source, handler):
+        # not a union of pydantic, which builds the schemas of all classes for every file
+        return core_schema.no_info_plain_validator_function(cls._read)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema, handler):
+        return handler(_adapter(reduce(or_, cls.classes.values())).core_schema)
+
+
+def chosen_by(name: str, classes: dict, tag=None) -> type:
+    """Make the type of a table whose class is found by the text of its key ``name``.
 
     ``classes`` are by tag: the text of the key, or what ``tag`` returns for a table, ``text: ...``.
     """
-    # several classes may share a text of the key: "law" and "law: data"
-    texts = tuple(dict.fromkeys(own.partition(":")[0] for own in classes))
-
-    def find(given):
-        if not isinstance(given, dict):  # refused by any class
-            return TAG + next(iter(classes))
-        if not isinstance(given.get(name), str) or given[name] not in texts:
-            return None
-        return TAG + (given[name] if tag is None else tag(given))
-
-    # pydantic's union of tagged classes; the error names the key and the texts
-    every = (Annotated[own, Tag(TAG + own_tag)] for own_tag, own in classes.items())
-    context = {"key": name, "allowed": f"one of {', '.join(texts)}"}
-    return Annotated[reduce(or_, every), Discriminator(find, CHOICE, "{allowed}", context)]
+    how = None if tag is None else staticmethod(tag)
+    return type("Chosen", (_Chosen,), {"name": name, "classes": classes, "tag": how})
 
 
 def checked(adapter: TypeAdapter, given: dict):
