@@ -86,7 +86,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = EvaluationPoints(path)
         checks = (
             _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _dry_fluids, _strains, _creases, _side,
+            _below_base, _contact_loss, _fluids, _strains, _creases, _side,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -149,19 +149,30 @@ def _contact_loss(samples: EvaluationPoints):
         yield Finding(text, False)
 
 
-def _dry_fluids(samples: EvaluationPoints):
-    """Report a fluid that contact stops at the end of its edge, so that it acts nowhere."""
+def _fluids(samples: EvaluationPoints):
+    """Report a fluid that acts nowhere, or that passes all profiles at its edge."""
     path = samples.path
     at_end = path.steps[-1].fraction
     for term in path.problem.terms:
         if not isinstance(term, FluidPressureTerm) or term.pressure_at(at_end) == 0.0:
             continue
+        weight, closing = path.responses(term.label)[-1].outputs.T
         # w = 0 at every particle of the edge
-        if not path.responses(term.label)[-1].outputs[:, 0].any():
+        if not weight.any():
             yield Finding(
                 f"the fluid {term.label!r} has no effect: the contact pressure of a profile stops it "
                 "at the end of its edge from which it comes; begin its edges (edge) with the free "
                 "edge on the wet side, or change the end (from)",
+                False,
+            )
+        # w > 0 at the last particle, though a profile touches the edge
+        elif weight[-1] > 0.0 and closing.any():
+            yield Finding(
+                f"the fluid {term.label!r} passes the contact and acts on its complete edge: a pressure "
+                f"of {term.pressure_at(at_end):.4g} kPa needs a contact pressure of "
+                f"{1.0 + term.share:.4g} times as much, and the largest one there is "
+                f"{closing.max():.4g} kPa; forces and stresses are those of a leaking seal, and the "
+                "measure blow_off_pressure is the pressure that it retains",
                 False,
             )
 
