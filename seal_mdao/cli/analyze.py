@@ -363,9 +363,12 @@ def report(result: SealResult, summary: dict) -> None:
 def stress_line(summary: dict) -> str:
     """Describe the largest stress and its position; if it is singular, also the largest
     elsewhere."""
+    largest = summary["largest_von_mises_kPa"]
+    # inverted material, det F <= 0, has no stress
+    amount = "is not defined" if np.isnan(largest) else f"{largest:.1f} kPa"
     text = (
-        f"largest von Mises stress {summary['largest_von_mises_kPa']:.1f} kPa, at "
-        f"{place(summary['largest_von_mises_at_mm'])} (undeformed coordinates)"
+        f"largest von Mises stress {amount}, at {place(summary['largest_von_mises_at_mm'])} "
+        "(undeformed coordinates)"
     )
     where = summary["largest_von_mises_singular_at"]
     if where is None:

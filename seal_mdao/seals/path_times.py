@@ -67,8 +67,9 @@ def times_at(seal, fractions) -> np.ndarray | None:
     vented = [own for own in terms if isinstance(own, VentedAir)]
     if not any(own.time.any() for own in vented):
         return None
-    # t = s / v in stages at the closing speed v, plus the given durations
-    clocks = [own.travel / own.closing_speed + own.time for own in vented]
+    # t = s / v in stages at the closing speed v, of which there are none without it (s = 0), plus the
+    # given durations
+    clocks = [own.travel / (own.closing_speed or np.inf) + own.time for own in vented]
     if not all(np.allclose(own, clocks[0], rtol=SAME) for own in clocks):
         return None
     return np.array([at_fraction(clocks[0], fraction) for fraction in fractions])

@@ -16,6 +16,7 @@ from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.seals.profiles import moved_edges
 
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
 SMALL_LENGTH = 0.01
@@ -144,7 +145,8 @@ def penalty_errors(result, measures=None, scales=None) -> dict[str, PenaltyError
 
 
 def standard_measures(result) -> tuple[Measure, ...]:
-    """List the standard measures of a seal that have values, and the force on every profile."""
+    """List the standard measures of a seal that have values, and the force on every profile, or without
+    profiles on moved edges."""
     seal, found = result.seal, {}
     for measure in seal.measures():
         # points selected on this result
@@ -153,11 +155,11 @@ def standard_measures(result) -> tuple[Measure, ...]:
         base = measure.base if isinstance(measure, Derived) else measure
         if base.size(seal):
             found[measure.name] = measure
-    for term in seal.terms():
-        if isinstance(term, RigidContact):
-            # force on every profile, unless the seal has that measure
-            name = f"force_on_{term.label}"
-            found.setdefault(name, Reaction(term.label, name=name))
+    profiles = [term.label for term in seal.terms() if isinstance(term, RigidContact)]
+    for label in profiles or [own.label for own in moved_edges(seal)]:
+        # force on it, unless the seal has that measure
+        name = f"force_on_{label}"
+        found.setdefault(name, Reaction(label, name=name))
     return tuple(found.values())
 
 

@@ -79,6 +79,7 @@ def test_the_ring_beside_the_axis_is_free_there(tmp_path):
             "steps = 4\nrotate = 5.0",
             "rotates, which is not possible for a body of revolution",
         ),
+        ("[fixed]", '[[symmetry]]\nedges = ["bore"]\nnormal = "x"\n[fixed]', "x is the radius"),
     ],
 )
 def test_what_a_ring_cannot_have_is_refused(tmp_path, old, new, words):

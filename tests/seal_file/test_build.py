@@ -13,6 +13,7 @@ from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.clearance import cleared, nearest_at_start
 from seal_mdao.seals.outline.section_cloud import LONGEST, longest_side
+from seal_mdao.seals.profiles import path_stages
 
 BULB = (Path(__file__).parent / "bulb.toml").read_text()
 COARSE = BULB
@@ -495,6 +496,16 @@ def test_a_vented_cavity_bleeds_down_in_a_dwell(tmp_path):
     fall = 0.5 * air.gamma * air.conductance / area * 4e-4 * np.sqrt(air.outside)
     assert 0.2 < fall / np.sqrt(pressure[0]) < 0.8
     assert np.sqrt(pressure[0]) - np.sqrt(pressure[-1]) == pytest.approx(fall, rel=0.02)
+
+
+def test_the_times_of_a_vented_cavity_whose_stages_have_durations(tmp_path):
+    """Without closing_speed, and of a rubber that does not relax."""
+    text = COARSE.replace("[fixed]", f"{VENTS}[fixed]").replace("closing_speed = 500.0\n", "")
+    text = text.replace("steps = 6", "steps = 6\nduration = 0.5").replace(
+        "steps = 2\n", "steps = 2\nduration = 10.0\n"
+    )
+    seal = build_seal(read(tmp_path, text))
+    np.testing.assert_allclose(path_stages(seal).times, [0.0, 0.5, 10.5], rtol=1e-12)
 
 
 def test_chosen_load_steps_see_the_error_in_time(tmp_path):

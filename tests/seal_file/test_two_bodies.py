@@ -163,3 +163,20 @@ line = [[12.0, -6.0], [12.0, -2.0], [6.0, -2.0], [6.0, -6.0]]
     result = sm.analyze(sm.build_seal(read(tmp_path, text)))
     assert result.converged, result.failure
     assert result.warnings == result.seal.warnings
+
+
+def test_penalties_of_bodies_that_moved_edges_press_on_each_other(tmp_path):
+    """Their error is that of the force on the moved edge, as there is no profile and no measure."""
+    text = STACK.format(spacing=0.7).replace("normal_penalty = 1e6\n", "")
+    # the profile and the measure come last
+    text = text.partition("[[profile]]")[0]
+    text += '[[moved]]\nname = "lid"\nedges = ["top"]\ndirections = ["y"]\n'
+    text += "stage = [{ translate = [0.0, -0.45], steps = 4 }]\n"
+    seal = sm.build_seal(read(tmp_path, text))
+    result = sm.analyze(seal)
+    assert result.converged, result.failure
+    (error,) = result.penalty_error.values()
+    assert abs(error.relative) <= 0.01
+    stack = sm.analyze(sm.build_seal(read(tmp_path, STACK.format(spacing=0.7))))
+    ratio = result.value(Reaction("lid"))[1] / stack.value(Reaction("plate"))[1]
+    assert ratio == pytest.approx(1.0, abs=0.01)

@@ -266,9 +266,12 @@ def _check_fluid_edges(where: str, edges, file) -> None:
     # contact keeps the fluid from the dry side
     touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
     if not any(name in touching for name in edges):
+        cure = (
+            f"add to the list edge one of the edges that a profile may touch: {', '.join(touching)}"
+        )
         raise SealFileError(
-            f"{where}, but no profile may touch these edges, so nothing stops the fluid; add to "
-            f"the list edge one of the edges that a profile may touch: {', '.join(touching)}"
+            f"{where}, but no profile may touch these edges, so nothing stops the fluid; "
+            + (cure if touching else "add a [[profile]] that presses on one of them")
         )
 
 

@@ -120,8 +120,8 @@ class SealFile:
         if not normals:
             return ""
         # mirror images add up along the plane, and cancel each other across it
-        names = ("radial", "axial") if self.axisymmetric else ("horizontal", "vertical")
-        doubled = [names["yx".index(normal)] for normal in normals]
+        along = "radial" if self.axisymmetric else "horizontal"
+        doubled = [{"y": along, "x": "vertical"}[normal] for normal in normals]
         size = "half" if len(normals) == 1 else "quarter"
         return f"{size} section: double its {' and '.join(doubled)} force"
 

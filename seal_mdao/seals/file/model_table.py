@@ -102,6 +102,7 @@ def check_axisymmetric(file) -> None:
         return
     _check_section(file.section.outline)
     _check_edges_on_axis(file)
+    _check_planes(file)
     _check_motions(file)
     for name, material in file.materials.items():
         if not is_known(material):
@@ -161,6 +162,18 @@ def _check_edges_on_axis(file) -> None:
                     f"{where} contains the edge {name!r}, which lies on the axis of revolution and is "
                     "not a surface; remove this edge"
                 )
+
+
+def _check_planes(file) -> None:
+    """Refuse mirror images across the radius, of which a body of revolution has none."""
+    for i, plane in enumerate(file.symmetries, 1):
+        if plane.normal == "x":
+            raise SealFileError(
+                f'[[symmetry]] {i}: normal = "x" is not possible for a body of revolution: x is the '
+                "radius, the section is already turned about the axis x = 0, and edges on the axis stay "
+                "there; leave out this table, or hold the edges in the radial direction by [fixed] with "
+                'directions = ["x"]'
+            )
 
 
 def _check_motions(file) -> None:
