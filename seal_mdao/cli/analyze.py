@@ -35,7 +35,13 @@ from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.conditions import conditions_text
 from seal_mdao.seals.gaps import largest_gap, largest_gaps
 from seal_mdao.seals.local_states import stress_peak
-from seal_mdao.seals.profiles import ProfileHistory, contacts, path_stages, profile_histories
+from seal_mdao.seals.profiles import (
+    ProfileHistory,
+    contacts,
+    moving_histories,
+    path_stages,
+    profile_histories,
+)
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
 from seal_mdao.values import place
@@ -133,6 +139,7 @@ def summarize(result: SealResult) -> dict:
     """Collect summary.json; results at the end of the path are None when it was not completed."""
     # state of every profile after every load step
     histories, steps = profile_histories(result), result.path.nominal_steps
+    edges = moving_histories(result)[len(histories) :]
     summary = {
         "converged": result.converged,
         "trustworthy": result.trustworthy,
@@ -153,6 +160,7 @@ def summarize(result: SealResult) -> dict:
         "critical_points": critical_table(result),
         "penalty_error": penalty_table(result),
         "profiles": {history.label: at_profile(result, history) for history in histories},
+        **({"moved_edges": {own.label: force_of(result, own) for own in edges}} if edges else {}),
     }
     # results at the end of the path
     if result.converged:
@@ -195,8 +203,8 @@ def stage_times(seal) -> dict:
     }  # fmt: skip
 
 
-def at_profile(result: SealResult, history: ProfileHistory) -> dict:
-    """Collect the results of one profile: at its last converged step, and the largest on the path."""
+def force_of(result: SealResult, history: ProfileHistory) -> dict:
+    """Collect the force on a profile or moved edges at the last converged step; empty without one."""
     if not len(history.stage):
         return {}
     units, force = result.seal.units, history.force[-1]
@@ -204,6 +212,15 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
         f"force_{units.force_key}": force,
         "force_N_per_100mm": units.per_100_mm * force,
         **({"force_N_per_mm": units.per_mm * force} if units.radius else {}),
+    }
+
+
+def at_profile(result: SealResult, history: ProfileHistory) -> dict:
+    """Collect the results of one profile: at its last converged step, and the largest on the path."""
+    if not len(history.stage):
+        return {}
+    return {
+        **force_of(result, history),
         "true_peak_pressure_kPa": history.peak[-1],
         "deformed_contact_width_mm": history.width[-1],
         "nominal_peak_pressure_kPa": history.nominal_peak[-1],
@@ -326,14 +343,17 @@ def report(result: SealResult, summary: dict) -> None:
     units = result.seal.units
     if units.radius:
         print(f"N/mm: N {units.along}")
-    # one line for each profile
-    for label, end in summary["profiles"].items():
+    # one line for each profile, and for moved edges
+    for label, end in (summary["profiles"] | summary.get("moved_edges", {})).items():
         if end:
             across, up = end[f"force_{units.force_key}"]
-            around = "{:.4g}, {:.4g} N/mm, ".format(*end["force_N_per_mm"]) if units.radius else ""
+            force = f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y)"
+            force += ", {:.4g}, {:.4g} N/mm".format(*end["force_N_per_mm"]) if units.radius else ""
+            if label not in summary["profiles"]:
+                print(force)
+                continue
             print(
-                f"{label}: force {across:.2f}, {up:.2f} {units.force} (x, y), "
-                f"{around}{end['deformed_contact_width_mm']:.2f} mm contact width (undeformed "
+                f"{force}, {end['deformed_contact_width_mm']:.2f} mm contact width (undeformed "
                 f"{end['nominal_contact_width_mm']:.2f}), peak contact pressure "
                 f"{end['true_peak_pressure_kPa']:.1f} kPa (nominal "
                 f"{end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "

@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from seal_mdao import plotting
 from seal_mdao.cli.analyze import analyzed, summarize
 from seal_mdao.cli.arguments import WrongArgumentError, parser, write_summary
 from seal_mdao.cli.seal_files import file_of
 from seal_mdao.export.csv_tables import write_curves
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import moving_parts
 
 KEYS = ("area_mm2", "true_peak_pressure_kPa", "largest_gap_mm", "largest_von_mises_kPa")
 """Keys of the summary of ``seal-mdao analyze`` that are printed, at the end of the path: the largest
@@ -20,12 +22,6 @@ def main(arguments) -> int:
     names = names_of(arguments.files)
     # read all files before the first analysis: errors come early
     files = {name: file_of(path) for name, path in zip(names, arguments.files, strict=True)}
-    for file in files.values():
-        if not file.profiles:
-            raise WrongArgumentError(
-                f"{file.path}: the seal file has no [[profile]], so it has no load-deflection "
-                "curve to compare"
-            )
     results, summary = {}, {}
     for name, file in files.items():
         print(f"{name}: {file.path}")
@@ -41,7 +37,7 @@ def main(arguments) -> int:
     if nominal:
         plotting.save(plotting.seals_compared(nominal), arguments.out / "comparison.png")
     moving = {
-        name: [own.label for own in contacts(result.seal) if own.motion.moves]
+        name: [own.label for own in moving_parts(result.seal) if own.motion.moves]
         for name, result in results.items()
     }
     units = {name: result.seal.units for name, result in results.items()}
@@ -69,19 +65,18 @@ def names_of(paths) -> list[str]:
 def print_table(summary: dict, moving: dict, units: dict) -> None:
     """Print the numbers of all seals, a line each.
 
-    ``moving`` has the labels of the profiles that move, and ``units`` the ``ResultUnits``, by the name
-    of the seal.
+    ``moving`` has the labels of the profiles and edges that move, and ``units`` the ``ResultUnits``, by
+    the name of the seal.
     """
     width = max(map(len, summary))
     for name, own in summary.items():
-        # force on every profile that moves
+        # force on every profile that moves, and on moved edges
         key = f"force_{units[name].force_key}"
+        forces = own["profiles"] | own.get("moved_edges", {})
         parts = [
-            "force on {} {:.2f}, {:.2f} {}".format(
-                label, *own["profiles"][label][key], units[name].force
-            )
+            "force on {} {:.2f}, {:.2f} {}".format(label, *forces[label][key], units[name].force)
             for label in moving[name]
-            if own["profiles"][label]
+            if forces[label]
         ]
         # the width in contact of every profile, also of those that stand still
         parts += [
@@ -89,7 +84,9 @@ def print_table(summary: dict, moving: dict, units: dict) -> None:
             for label, end in own["profiles"].items()
             if WIDTH in end
         ]
-        parts += [f"{key} {own[key]:.4g}" for key in KEYS if own[key] is not None]
+        # of inverted material there is no stress
+        known = [key for key in KEYS if own[key] is not None and np.isfinite(own[key])]
+        parts += [f"{key} {own[key]:.4g}" for key in known]
         for text in own["warnings"] or ():
             print(f"WARNING ({name}): {text}")
         if not own["converged"]:

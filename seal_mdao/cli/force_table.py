@@ -1,8 +1,8 @@
-"""Load-deflection curves as text: force on every moving profile over its travel."""
+"""Load-deflection curves as text: force on every moving profile, or moved edges, over the travel."""
 
 import numpy as np
 
-from seal_mdao.seals.profiles import contacts, profile_histories
+from seal_mdao.seals.profiles import moving_histories, moving_parts
 
 MOST_ROWS = 10
 """Largest number of rows for a load-unload segment; the last load step is always one of them."""
@@ -11,14 +11,14 @@ BAR = 30
 
 
 def print_forces(result) -> None:
-    """Print the table of every profile that moves, complete or up to where the path ended."""
+    """Print the tables of the profiles and edges that move, complete or up to where the path ended."""
     # flushed: the tables are there to read while figures are drawn
     for line in force_lines(result):
         print(line, flush=True)
 
 
 def force_lines(result) -> list[str]:
-    """Tabulate the force on every moving profile over its travel, with a bar for its size.
+    """Tabulate the force on moving profiles and edges over their travel, with a bar for its size.
 
     Parameters
     ----------
@@ -28,14 +28,14 @@ def force_lines(result) -> list[str]:
     -------
     list of str
         For each load-unload segment a heading with units and at most ``MOST_ROWS`` rows, those of a
-        ring with the force per mm of circumference beside it; empty without a moving profile or a
+        ring with the force per mm of circumference beside it; empty where nothing moves or without a
         converged load step.
     """
     found, units = [], result.seal.units
     names = " and ".join(units.directions)
     beside = f", the same in N {units.along}" if units.radius else ""
-    for contact, history in zip(contacts(result.seal), profile_histories(result), strict=True):
-        if not contact.motion.moves or not len(history.stage):
+    for part, history in zip(moving_parts(result.seal), moving_histories(result), strict=True):
+        if not part.motion.moves or not len(history.stage):
             continue
         size = np.hypot(*history.force.T)
         for segment in history.load_segments:

@@ -12,7 +12,14 @@ from seal_mdao.plotting.contact_curves import along_contact
 from seal_mdao.plotting.field import fine_grid
 from seal_mdao.plotting.style import CYCLE, styled, subplots
 from seal_mdao.plotting.travel_curves import add_length_axis
-from seal_mdao.seals.profiles import PARALLEL, leading_contact, profile_histories, true_pressure
+from seal_mdao.seals.profiles import (
+    PARALLEL,
+    contacts,
+    leading_contact,
+    leading_part,
+    moving_histories,
+    true_pressure,
+)
 from seal_mdao.seals.result import SealResult
 
 MOST_SECTIONS = 6
@@ -63,8 +70,9 @@ def _colors(results) -> dict[str, str]:
 
 
 def draw_forces(axes, results, colors) -> None:
-    """Plot the force on the leading profile against the travel of each stage over its path length from
-    the start, for every seal with its colour; of a profile that only turns the larger component."""
+    """Plot the force on the leading profile, or moved edges, against the travel of each stage over its
+    path length from the start, for every seal with its colour; the larger component where it only
+    turns."""
     labels = {}
     axes.axhline(0.0, color="black", linewidth=0.8)
     for name, result in results.items():
@@ -73,7 +81,8 @@ def draw_forces(axes, results, colors) -> None:
         axes.plot(travel, force, color=colors[name], label=name)
         if not result.converged:
             axes.plot(travel[-1], force[-1], "x", color=colors[name])
-    axes.set_xlabel("travel of the profile (mm)")
+    profiles = all(contacts(result.seal) for result in results.values())
+    axes.set_xlabel("travel of the profile (mm)" if profiles else "travel (mm)")
     # a long label in two lines, so that it is no longer than the axis
     broken = (
         own.replace(" against", "\nagainst") if len(own) > LONGEST_LABEL else own for own in labels
@@ -86,7 +95,8 @@ def draw_forces(axes, results, colors) -> None:
 
 
 def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
-    """Compute the force on the leading profile against the travel of each stage over the path length.
+    """Compute the force on the leading profile, or without profiles on moved edges, against the travel
+    of each stage over the path length.
 
     Where the travel turns to another line the curve has a jump: two points at one travel. If all travel
     is along one line, forwards and backwards, the force is that against the first travel.
@@ -94,7 +104,7 @@ def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np
     Parameters
     ----------
     result : SealResult
-        With a profile.
+        With a profile or moved edges.
 
     Returns
     -------
@@ -105,11 +115,11 @@ def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np
     words : str
         Name of the force.
     """
-    contact = leading_contact(result.seal)
-    history = next(h for h in profile_histories(result) if h.label == contact.label)
-    against, words = against_travel(contact.motion, history, result.seal.units)
+    part = leading_part(result.seal)
+    history = next(h for h in moving_histories(result) if h.label == part.label)
+    against, words = against_travel(part.motion, history, result.seal.units)
     # path length s_k = sum |x_i - x_{i-1}|: loading and unloading stages follow each other
-    start = np.array(contact.motion.coordinates(0.0))[:2]
+    start = np.array(part.motion.coordinates(0.0))[:2]
     points = np.vstack([start, history.place[:, :2]])
     travel = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
     # F_k . e_k with e_k opposite to the travel in step k, F_0 = 0
@@ -150,6 +160,8 @@ def against_travel(motion, history, units) -> tuple[np.ndarray, str]:
 def draw_pressures(axes, results, colors) -> None:
     """Plot the true contact pressure at the end against arc length, from the middle of the contact."""
     for number, (name, result) in enumerate(results.items()):
+        if not contacts(result.seal):
+            continue
         contact = leading_contact(result.seal)
         pressure = true_pressure(result, contact)
         if not pressure.any():
@@ -187,7 +199,7 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     Raises
     ------
     ValueError
-        For a seal without profiles, or without any converged step.
+        For a seal without any converged step, or where nothing moves.
     """
     for name, result in results.items():
         if not len(result.path.nominal_steps):
@@ -202,15 +214,18 @@ def seals_compared(results: Mapping[str, SealResult]) -> Figure:
     width, height = (0.8 * max(own) for own in zip(*sizes, strict=True))
     groups, colors = _by_unit(results), _colors(results)
     columns, height = len(shown), max(height + 0.6, LEAST_HEIGHT)
-    across = max(5.0 * (len(groups) + 1), (width + 0.5) * columns + section.BAR_WIDTH)
+    # no panel of pressures for seals without profiles
+    curves = len(groups) + any(contacts(result.seal) for result in results.values())
+    across = max(5.0 * curves, (width + 0.5) * columns + section.BAR_WIDTH)
     figure, _ = subplots(width=across, height=4.2 + height)
     figure.clear()
     upper, lower = figure.add_gridspec(2, 1, height_ratios=(4.2, height))
-    *forces, pressures = upper.subgridspec(1, len(groups) + 1).subplots()
-    for axes, group in zip(forces, groups, strict=True):
+    above = upper.subgridspec(1, curves).subplots(squeeze=False)[0]
+    for axes, group in zip(above, groups, strict=False):
         draw_forces(axes, group, colors)
         axes.legend(loc="best")
-    draw_pressures(pressures, results, colors)
+    if curves > len(groups):
+        draw_pressures(above[-1], results, colors)
     panels = lower.subgridspec(1, columns).subplots(squeeze=False)[0]
     for axes, (name, result), window in zip(panels, shown.items(), windows, strict=True):
         last = len(result.path.nominal_steps) - 1

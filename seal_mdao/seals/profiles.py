@@ -121,9 +121,30 @@ def moved_edges(seal) -> tuple:
     return tuple(getattr(seal.imposed(), "edges", ()))
 
 
+def leading_part(seal):
+    """Return the contact with the leading profile, or without profiles the first edges that move.
+
+    Raises
+    ------
+    ValueError
+        For a seal without profiles and moved edges.
+    """
+    edges = moved_edges(seal)
+    if contacts(seal) or not edges:
+        return leading_contact(seal)
+    return next((own for own in edges if own.motion.moves), edges[0])
+
+
+def moving_parts(seal) -> list:
+    """List the contacts with the profiles of a seal, then the moved edges that are in no contact."""
+    profiles = contacts(seal)
+    known = {own.label for own in profiles}
+    return [*profiles, *(own for own in moved_edges(seal) if own.label not in known)]
+
+
 def motions(seal) -> list[Motion]:
     """List the motions of the profiles of a seal, then those of moved edges."""
-    return [own.motion for own in (*contacts(seal), *moved_edges(seal))]
+    return [own.motion for own in moving_parts(seal)]
 
 
 def path_stages(seal) -> StageEnds | None:
@@ -134,10 +155,7 @@ def path_stages(seal) -> StageEnds | None:
 def leading_motion(seal) -> Motion | None:
     """Return the motion of the leading profile, or of moved edges without profiles; None without
     either."""
-    if contacts(seal):
-        return leading_contact(seal).motion
-    found = motions(seal)
-    return next((motion for motion in found if motion.moves), next(iter(found), None))
+    return leading_part(seal).motion if moving_parts(seal) else None
 
 
 def profile_histories(result) -> tuple[ProfileHistory, ...]:
@@ -147,10 +165,7 @@ def profile_histories(result) -> tuple[ProfileHistory, ...]:
 
 def moving_histories(result) -> tuple[ProfileHistory, ...]:
     """Evaluate every profile of a result along its path, then moved edges, which are in no contact."""
-    profiles = profile_histories(result)
-    known = {own.label for own in profiles}
-    edges = {own.label: own for own in moved_edges(result.seal) if own.label not in known}
-    return (*profiles, *(_history(result, own) for own in edges.values()))
+    return tuple(_history(result, own) for own in moving_parts(result.seal))
 
 
 def _history(result, contact) -> ProfileHistory:
