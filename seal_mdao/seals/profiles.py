@@ -121,25 +121,24 @@ def moved_edges(seal) -> tuple:
     return tuple(getattr(seal.imposed(), "edges", ()))
 
 
+def moving_parts(seal) -> list:
+    """List the contacts with the profiles of a seal, then the moved edges that are in no contact."""
+    profiles = contacts(seal)
+    known = {own.label for own in profiles}
+    return [*profiles, *(own for own in moved_edges(seal) if own.label not in known)]
+
+
 def leading_part(seal):
-    """Return the contact with the leading profile, or without profiles the first edges that move.
+    """Return the contact with the first profile that moves, or the first edges that do; where nothing
+    moves the first profile.
 
     Raises
     ------
     ValueError
         For a seal without profiles and moved edges.
     """
-    edges = moved_edges(seal)
-    if contacts(seal) or not edges:
-        return leading_contact(seal)
-    return next((own for own in edges if own.motion.moves), edges[0])
-
-
-def moving_parts(seal) -> list:
-    """List the contacts with the profiles of a seal, then the moved edges that are in no contact."""
-    profiles = contacts(seal)
-    known = {own.label for own in profiles}
-    return [*profiles, *(own for own in moved_edges(seal) if own.label not in known)]
+    parts = moving_parts(seal)
+    return next((own for own in parts if own.motion.moves), None) or leading_contact(seal)
 
 
 def motions(seal) -> list[Motion]:
@@ -153,8 +152,7 @@ def path_stages(seal) -> StageEnds | None:
 
 
 def leading_motion(seal) -> Motion | None:
-    """Return the motion of the leading profile, or of moved edges without profiles; None without
-    either."""
+    """Return the motion of ``leading_part``; None without profiles and moved edges."""
     return leading_part(seal).motion if moving_parts(seal) else None
 
 

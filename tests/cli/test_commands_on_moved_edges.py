@@ -2,12 +2,15 @@
 
 import json
 
+import numpy as np
 import pytest
 from PIL import Image
 
 import seal_mdao as sm
 from seal_mdao.cli.subcommands import main
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.plotting.several_seals import force_against_travel
+from seal_mdao.seals.profiles import profile_histories
 
 BLOCK = """\
 [material.rubber]
@@ -27,6 +30,13 @@ edges = ["base"]
 name = "lid"
 edges = ["top"]
 stage = [{ translate = [0.3, -0.4], steps = 4 }]
+"""
+STILL = """\
+[[profile]]
+name = "plate"
+friction = 0.5
+contact = ["top"]
+line = [[-40, 4], [40, 4]]
 """
 
 
@@ -71,3 +81,21 @@ def test_the_motion_is_animated(block, tmp_path):
     main(["animate", str(block), "-o", "block.gif", "--out", str(tmp_path)])
     with Image.open(tmp_path / "block.gif") as frames:
         assert frames.n_frames >= 4
+
+
+def test_a_profile_that_stands_still_has_the_travel_of_moved_edges(block):
+    """The lower edge presses the block against a plate that stands still."""
+    text = BLOCK.replace('[fixed]\nedges = ["base"]\n', "").replace('"top"]', '"base"]')
+    assert text.count('edges = ["base"]') == 1
+    path = block.with_name("still.toml")
+    path.write_text(text.replace("0.3, -0.4", "0.3, 0.4") + STILL)
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(path)))
+    (plate,) = profile_histories(result)
+    np.testing.assert_allclose(plate.travel, [0.125, 0.25, 0.375, 0.5], rtol=1e-12)
+    travel, force, _, words = force_against_travel(result)
+    np.testing.assert_allclose(travel, [0.0, *plate.travel], rtol=1e-12)
+    assert words == "force on lid against its travel"
+    # the plate holds the block: the forces on both are opposite
+    np.testing.assert_allclose(
+        force[1:], -plate.force @ [-0.6, -0.8], rtol=1e-6, atol=1e-6 * force.max()
+    )
