@@ -326,7 +326,8 @@ def _by_particles(measure: Measure, paths: ComparedPaths, scale: float) -> np.nd
         earlier = (own - fine.value(finer)) / (1.0 - 0.5**ORDER)
         if np.isfinite(earlier).all():
             # relative errors are comparable where the value decreases towards the end
-            earlier = earlier * scale / max(scale, np.abs(own).max(initial=0.0))
+            largest = max(scale, np.abs(own).max(initial=0.0))
+            earlier = earlier * (scale / largest if largest > 0.0 else 1.0)
             rows.append(np.where(zero, 0.0, earlier))
     return np.array([*rows, error])
 

@@ -165,7 +165,8 @@ class FluidPressureTerm(CoupledTerm):
             definition.label, definition.scalars, definition.where, discretization, index
         )
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
-        self.share, self.output_indices = definition.share, len(definition.edge)
+        self.share, self.particles = definition.share, definition.particles
+        self.output_indices = len(definition.edge)
         self.axisymmetric = discretization.body.axisymmetric
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
         self.rounding *= discretization.depth

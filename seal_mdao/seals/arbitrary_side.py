@@ -46,8 +46,9 @@ def arbitrary_side(path: PathResult) -> str:
         "turn the profile by about one degree (angle), or make the section slightly curved, so that "
         "the side is defined"
     )
-    if mirror.is_one_sided(displacement, image):
-        sideways = np.abs(displacement @ mirror.normal).max()
+    # displacements below the tolerance are those of a seal that is released again
+    sideways = np.abs(displacement @ mirror.normal).max()
+    if sideways > mirror.tolerance and mirror.is_one_sided(displacement, image):
         return (
             f"{symmetric}, but the seal has buckled and deflects sideways by up to {sideways:.3g} "
             "mm: to which side is arbitrary, and a real seal may buckle to the other one; " + choose

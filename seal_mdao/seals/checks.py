@@ -50,6 +50,8 @@ HIGH_PRESSURE = 9.0
 """Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
+NO_STRAIN = 1e-9
+"""Strain whose stresses count as zero."""
 FEW_CELLS = 0.01
 """Fraction of the cells of a material that may be strained beyond its range: corners."""
 
@@ -99,14 +101,26 @@ def _forces(step) -> float:
     )
 
 
+def _least_force(path: PathResult) -> float:
+    """Compute the force that counts as zero: that of a shear strain of ``NO_STRAIN`` over the section."""
+    # F = gamma G L depth
+    disc = path.discretization
+    regions = path.problem.term("structure").definition.regions
+    shear = max(own.material.shear_modulus for own in regions)
+    return NO_STRAIN * shear * float(np.ptp(disc.particles, axis=0).max()) * disc.depth
+
+
 def _balance(samples: EvaluationPoints):
     """Report steps at which rounding ended the iterations far from equilibrium."""
     path = samples.path
     forces = np.array([_forces(step) for step in path.steps])
     left = np.array([step.residuals[-1] for step in path.steps])
+    # a section that expands freely is in equilibrium: its forces are rounding errors
+    largest = forces.max(initial=0.0)
+    if largest <= _least_force(path):
+        return
     # |r| / max |f| over the path in place of |r| / |f| of the step
-    if forces.max(initial=0.0) > 0.0:
-        left = left * forces / forces.max()
+    left = left * forces / largest
     # negated comparisons report NaN as well
     worst = int(left.argmax())
     if not left[worst] <= OPEN_BALANCE:
@@ -150,8 +164,9 @@ def _contact_loss(samples: EvaluationPoints):
 
 
 def _fluids(samples: EvaluationPoints):
-    """Report a fluid that acts nowhere, or that passes all profiles at its edge."""
-    path = samples.path
+    """Report a fluid that acts nowhere, or that passes all profiles at its edge, and two that act on one
+    part of the boundary."""
+    path, wet = samples.path, {}
     at_end = path.steps[-1].fraction
     for term in path.problem.terms:
         if not isinstance(term, FluidPressureTerm) or term.pressure_at(at_end) == 0.0:
@@ -175,6 +190,19 @@ def _fluids(samples: EvaluationPoints):
                 "measure blow_off_pressure is the pressure that it retains",
                 False,
             )
+        # particles of the edge under the complete pressure
+        particles = term.particles[weight == 1.0]
+        for label, others in wet.items():
+            both = np.intersect1d(particles, others)
+            if len(both) > 1:
+                yield Finding(
+                    f"the fluids {label!r} and {term.label!r} both act on the boundary near "
+                    f"{_at(path.discretization.particles[both[0]])} (undeformed coordinates), where "
+                    "their pressures add up; let every part of the boundary be an edge of one fluid "
+                    "only, for example by dividing the edge between two leak paths",
+                    False,
+                )
+        wet[term.label] = particles
 
 
 def _creases(samples: EvaluationPoints):
@@ -429,11 +457,24 @@ def _inside_itself(samples: EvaluationPoints):
 
 def _smaller_of_wall_and_squeeze(samples: EvaluationPoints) -> tuple[float, str]:
     """Return the length with which penetrations are compared, mm, and its name."""
-    # a thick wall is squeezed in part only: then the largest displacement
-    squeeze = samples.path.largest_displacement
+    # a thick wall is squeezed in part only: then the largest displacement, or that of free growth where
+    # walls prevent it
+    path = samples.path
+    squeeze = max(path.largest_displacement, _free_growth(path))
     if 0.0 < squeeze < samples.wall:
         return squeeze, "the largest displacement"
     return samples.wall, "the wall's thickness"
+
+
+def _free_growth(path: PathResult) -> float:
+    """Compute the largest |theta - 1| of the materials times the size of the section, mm: how far free
+    ends move."""
+    structure, at_end = path.problem.term("structure"), [path.steps[-1].fraction]
+    found = [
+        structure.conditions(region, at_end).conditions for region in structure.definition.regions
+    ]
+    grown = [float(np.abs(own.growth - 1.0).max()) for own in found if own is not None]
+    return max(grown, default=0.0) * float(np.ptp(path.discretization.particles, axis=0).max())
 
 
 def _inside_profiles(samples: EvaluationPoints):

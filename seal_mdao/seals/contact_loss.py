@@ -33,8 +33,14 @@ def contact_losses(path: PathResult) -> Iterator[str]:
 
 def untouched_profiles(path: PathResult) -> Iterator[str]:
     """Yield a sentence for every moving profile that touches the seal at no load step, and for those
-    that stand still if none touches it."""
-    contacts = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
+    that stand still if none touches it; a profile to which edges are bonded touches it always."""
+    imposed = path.problem.imposed
+    bonded = () if imposed is None else imposed.labels
+    contacts = [
+        term
+        for term in path.problem.terms
+        if isinstance(term, ContactTerm) and term.label not in bonded
+    ]
     apart = [t for t in contacts if not any(own.branch.any() for own in path.responses(t.label))]
     for term in apart:
         if term.motion.moves or len(apart) == len(contacts):

@@ -32,7 +32,8 @@ def creases(samples: EvaluationPoints) -> str:
     lengths = [
         np.hypot(*(x[ends[:, 1]] - x[ends[:, 0]]).T) for x in (samples.places, samples.undeformed)
     ]
-    stretch = np.where(_touching(samples, chains, lengths[0]), np.inf, lengths[0] / lengths[1])
+    held = _touching(samples, chains, lengths[0]) | _held(samples, ends)
+    stretch = np.where(held, np.inf, lengths[0] / lengths[1])
     worst = int(stretch.argmin())
     if not stretch[worst] < CREASES:
         return ""
@@ -43,6 +44,12 @@ def creases(samples: EvaluationPoints) -> str:
         "creases, which a large particle spacing does not resolve, so an analysis with a smaller "
         "spacing may give another force or fail; use a larger radius at this point, or less travel"
     )
+
+
+def _held(samples: EvaluationPoints, ends) -> np.ndarray:
+    """Find the sides with a prescribed displacement at both ends (m, 2), a mask (m,): fixed and moved
+    edges, planes of symmetry and the axis of revolution are no free surfaces."""
+    return samples.path.discretization.body.fixed[ends].all(axis=1).any(axis=1)
 
 
 def _touching(samples: EvaluationPoints, chains, lengths) -> np.ndarray:

@@ -177,8 +177,11 @@ def _relative(coarse: SealResult, fine: SealResult, measure, known=0.0) -> np.nd
     # a seal without contacts has no penalty errors
     errors = fine.penalty_error
     scale = errors[measure.name].scale if errors else scale_of(measure, fine)
-    # |m_coarse - m_fine - expected| / scale
-    apart = np.abs(coarse.value(measure) - fine.value(measure) - known)
+    # |m_coarse - m_fine - expected| / scale, of values that exist: the leak rate of a seal that is not
+    # closed is infinite in both
+    one, other = coarse.value(measure), fine.value(measure)
+    both = np.isfinite(one) & np.isfinite(other)
+    apart = np.abs(np.subtract(one - known, other, where=both, out=np.zeros(np.shape(one))))
     return apart / scale if scale > 0.0 else 0.0 * apart
 
 

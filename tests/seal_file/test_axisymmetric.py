@@ -190,3 +190,15 @@ def test_components_have_the_units_of_a_ring(tmp_path):
         for _, own in problem.model.list_outputs(out_stream=None, units=True, prom_name=True)
     }
     assert units["reaction"] == "N"
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_two_fluids_on_one_edge_are_reported(tmp_path, shared):
+    """Each of them reaches one of two leak paths, but both press on the edge between these."""
+    text = ring(start=2.0, translate=(0.0, -0.3))
+    text += '[[fluid]]\nname = "a"\nedge = ["side", "top"]\nfrom = "start"\npressure = 1.0\n'
+    edges = '["side", "top"]' if shared else '["top", "bore"]'
+    end = "start" if shared else "end"
+    text += f'[[fluid]]\nname = "b"\nedge = {edges}\nfrom = "{end}"\npressure = 2.0\n'
+    warnings = sm.analyze(sm.build_seal(read(tmp_path, text))).warnings
+    assert shared == any("'a' and 'b' both act on the boundary" in own for own in warnings)

@@ -1,0 +1,74 @@
+"""States that are admissible, of which older versions warned."""
+
+import pytest
+
+import seal_mdao as sm
+
+RUBBER = '[material.rubber]\nlaw = "neo_hookean"\nc10 = 300.0\nbulk_modulus = 1e5\n'
+SQUARE = """[section]
+material = "rubber"
+spacing = 0.9
+outer = [
+  { edge = "base", line = [[0, 0], [4, 0]] }, { edge = "right", line = [[4, 0], [4, 4]] },
+  { edge = "top", line = [[4, 4], [0, 4]] }, { edge = "left", line = [[0, 4], [0, 0]] },
+]
+"""
+HEATED = "[model]\ntemperature = [80]\n" + RUBBER + "expansion = 2e-4\n"
+SMOOTH = '[fixed]\nedges = ["base"]\ndirections = ["y"]\n'
+HALF = SMOOTH + '[[symmetry]]\nedges = ["left"]\nnormal = "x"\n'
+LID = '[[profile]]\nname = "lid"\nfriction = {}\ncontact = ["top"]\nline = [[-30, {}], [30, {}]]\n'
+
+
+@pytest.fixture
+def warnings(tmp_path):
+    def analyse(text):
+        path = tmp_path / "seal.toml"
+        path.write_text(text)
+        result = sm.analyze(sm.build_seal(path))
+        assert result.converged, result.failure
+        return result, " ".join(result.warnings)
+
+    return analyse
+
+
+def test_free_expansion_is_in_equilibrium(warnings):
+    """All forces are rounding errors."""
+    lid = LID.format(0.0, 4.5, 4.5) + "stage = [{ translate = [0, -0.1], steps = 2 }]\n"
+    result, found = warnings(HEATED + SQUARE + HALF + lid)
+    assert "equilibrium" not in found
+    assert result.trustworthy
+
+
+def test_a_seal_that_is_released_has_not_buckled(warnings):
+    stages = "stage = [{ translate = [0, -0.3], steps = 3 }, { translate = [0, 0.5], steps = 3 }]\n"
+    _, found = warnings(
+        RUBBER + SQUARE + '[fixed]\nedges = ["base"]\n' + LID.format(0.2, 4, 4) + stages
+    )
+    assert "buckled" not in found
+
+
+def test_a_bonded_profile_touches_the_seal(warnings):
+    bonded = LID.format(0.2, 4, 4).replace(
+        'contact = ["top"]', 'glued = ["top"]\ncontact = ["right"]'
+    )
+    stage = "stage = [{ translate = [0, -0.2], steps = 2 }]\n"
+    _, found = warnings(RUBBER + SQUARE + '[fixed]\nedges = ["base"]\n' + bonded + stage)
+    assert "touches the seal" not in found
+
+
+def test_a_block_that_expands_between_walls_does_not_penetrate_them(warnings):
+    """Its displacements are the penetrations alone, far below those of free expansion."""
+    walls = "".join(
+        f'[[moved]]\nedges = ["{name}"]\ndirections = ["x"]\n' for name in ("left", "right")
+    )
+    walls = walls.replace('["x"]\n', '["x"]\nstage = [{ steps = 4 }]\n', 1)
+    result, found = warnings(HEATED + SQUARE + SMOOTH + walls + LID.format(0.0, 4, 4))
+    assert result.response("lid").force.any()
+    assert "inside the rigid profile" not in found
+
+
+def test_a_plane_of_symmetry_is_no_free_surface(warnings):
+    """A smooth inclined plate compresses it to 0.62 of its height, and the free side to 0.72."""
+    stage = "stage = [{ translate = [0, -1.5], steps = 8 }]\n"
+    _, found = warnings(RUBBER + SQUARE + HALF + LID.format(0.0, 1.0, 7.0) + stage)
+    assert "free surface" not in found
