@@ -273,6 +273,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
 
 def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
     """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``)."""
+    before = _files(arguments.out) if arguments.json else {}
     with ExitStack() as stack:
         # figures name the seals that are read
         stack.enter_context(captioned())
@@ -286,9 +287,13 @@ def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
             # progress bars go to stderr
             stack.enter_context(redirect_stderr(io.StringIO()))
         code = main(arguments)
-    if arguments.json and (arguments.out / "summary.json").is_file():
-        # --json: the summary alone on stdout, for other programs
-        print((arguments.out / "summary.json").read_text(encoding="utf-8"), end="")
+    if arguments.json:
+        # --json: the summary alone on stdout, for other programs; else the files that were written
+        written = [name for name, time in _files(arguments.out).items() if before.get(name) != time]
+        if "summary.json" in written:
+            print((arguments.out / "summary.json").read_text(encoding="utf-8"), end="")
+        else:
+            print(json.dumps({"files": sorted(written)}))
     return code
 
 

@@ -32,6 +32,7 @@ from seal_mdao.cli.arguments import (
     write_summary,
 )
 from seal_mdao.materials.by_name import LAWS
+from seal_mdao.seals.outline.unusual_values import unusual_moduli
 
 MOST_TOLD = 10
 """Largest number of outliers that are printed."""
@@ -91,14 +92,18 @@ def fit_law(arguments) -> int:
     rows = residual_table(found)
     # deviations far beyond the standard deviation of the others
     outliers = [row for row in rows if row.outlier]
+    unusual = list(unusual_moduli("the fitted law", found.law))
     summary = summarize(found, arguments, time.perf_counter() - begun)
-    write_summary(arguments.out, summary | {"outliers": [asdict(row) for row in outliers]})
+    summary |= {"outliers": [asdict(row) for row in outliers], "warnings": unusual}
+    write_summary(arguments.out, summary)
     write_residuals(rows, arguments.out / "residuals.csv")
     (arguments.out / "material.toml").write_text(table, encoding="utf-8")
     figure = plotting.material_fit if found.softening is None else plotting.softening_fit
     plotting.save(figure(found), arguments.out / "fit.png")
     report(found, table, arguments.out)
     report_outliers(outliers)
+    for text in unusual:
+        print(f"WARNING: {text}")
     return 0
 
 

@@ -23,10 +23,12 @@ from seal_mdao.export.csv_tables import write_sweep_curves
 from seal_mdao.plotting.captions import name_varied
 from seal_mdao.progress import hidden
 from seal_mdao.recording.recorded_optimization import label, shown_unit
-from seal_mdao.seals.profiles import contacts
+from seal_mdao.seals.profiles import moving_parts
 from seal_mdao.seals.result import frozen_measures
 
 MOST_VALUES = 200
+STATE = ("value", "converged", "trustworthy")
+"""Columns of a row that are no results."""
 PER_MM = "N_per_mm"
 """End of the names of forces on a ring per mm of its circumference at the mean radius."""
 
@@ -62,7 +64,13 @@ def main(arguments) -> int:
     # measures that some rows do not have are None there
     rows = [{key: line.get(key) for key in max(rows, key=len)} for line in rows]
     warned = warnings_of(results)
-    summary = {"parameter": own.name, "unit": own.unit, "values": rows, "warnings": warned}
+    units = {
+        name: unit for result in results.values() for name, unit in units_of(result.seal).items()
+    }
+    units = {name: unit for name, unit in units.items() if name in rows[0]}
+    summary = {
+        "parameter": own.name, "unit": own.unit, "values": rows, "units": units, "warnings": warned,
+    }  # fmt: skip
     write_summary(arguments.out, summary)
     draw(own, results, rows, arguments.out)
     for line in rows:
@@ -87,14 +95,29 @@ def warnings_of(results: dict) -> list[dict]:
 
 
 def measures_of(seal, nominal=None) -> tuple:
-    """Return the measures of a seal that are one number, with their points on the nominal seal.
+    """Return the measures of a seal, with their points on the nominal seal.
 
     None of them where the path of the analysed nominal seal was not completed.
     """
     if nominal is not None and not nominal.converged:
         return ()
     frozen = frozen_measures(seal, None, None if nominal is None else lambda _: nominal)
-    return tuple(measure for measure in frozen if measure.size(seal) == 1)
+    return tuple(measure for measure in frozen if measure.size(seal))
+
+
+def names_of(measure, seal) -> list[str]:
+    """Name the values of a measure: by its name, with numbers from 1 where there are several."""
+    count = measure.size(seal)
+    return [measure.name] if count == 1 else [f"{measure.name}_{i + 1}" for i in range(count)]
+
+
+def units_of(seal) -> dict[str, str | None]:
+    """Return the units of the values of all measures of a seal."""
+    return {
+        name: seal.units.of(measure.units)
+        for measure in (*seal.standard, *seal.further)
+        for name in names_of(measure, seal)
+    }
 
 
 def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
@@ -102,11 +125,11 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
     varied_one = f"{own.name} ({own.unit})".replace(" ()", "")
     # curves of all analyses with at least one converged load step
     nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
-    if nominal and contacts(next(iter(nominal.values())).seal):
+    if nominal and moving_parts(next(iter(nominal.values())).seal):
         plotting.save(plotting.load_deflection_of(nominal, varied_one), out / "sweep.png")
     done = [line for line in rows if line["converged"]]
     if done:
-        names = [name for name in done[0] if name not in ("value", "converged")]
+        names = [name for name in done[0] if name not in STATE]
         # rings of one circumference: N per mm of it on the right axis, not in panels of their own
         units = {result.seal.units for result in results.values()}
         ring = units.pop() if len(units) == 1 else None
@@ -130,15 +153,14 @@ def titles(seal) -> dict[str, str]:
     units = seal.units
     shown_units = {units.force_key: units.force, PER_MM: "N per mm"}
     found = {
-        name: f"{direction} force on {contact.label} ({unit})"
-        for contact in contacts(seal)
+        name: f"{direction} force on {part.label} ({unit})"
+        for part in moving_parts(seal)
         for key, unit in shown_units.items()
-        for name, direction in zip(_force_names(contact.label, key), units.directions, strict=True)
+        for name, direction in zip(_force_names(part.label, key), units.directions, strict=True)
     }
-    for measure in (*seal.standard, *seal.further):
-        unit = shown_unit(units.of(measure.units))
-        found[measure.name] = f"{label(measure.name)} ({unit})".replace(" ()", "")
-        found[f"{measure.name}_{PER_MM}"] = f"{label(measure.name)} (N per mm)"
+    for name, unit in units_of(seal).items():
+        found[name] = f"{label(name)} ({shown_unit(unit)})".replace(" ()", "")
+        found[f"{name}_{PER_MM}"] = f"{label(name)} (N per mm)"
     return found
 
 
@@ -149,19 +171,22 @@ def _bare(name: str) -> str:
 
 def row(value: float, result, measures) -> dict:
     """Collect the results at the end of the path of one analysis; None for a failed one."""
-    numbers, units = {"value": value, "converged": result.converged}, result.seal.units
-    for contact in contacts(result.seal):
-        # force on the profile at the end of the path, N/m or N
-        force = result.path.reaction(contact.label)[-1] if result.converged else (None, None)
-        numbers |= _forces(contact.label, units.force_key, force)
+    numbers = dict(zip(STATE, (value, result.converged, result.trustworthy), strict=True))
+    units = result.seal.units
+    for part in moving_parts(result.seal):
+        # force on the profile or the moved edges at the end of the path, N/m or N
+        force = result.path.reaction(part.label)[-1] if result.converged else (None, None)
+        numbers |= _forces(part.label, units.force_key, force)
         if units.radius:
             around = [None if own is None else units.per_mm * own for own in force]
-            numbers |= _forces(contact.label, PER_MM, around)
+            numbers |= _forces(part.label, PER_MM, around)
     for measure in measures:
-        value = float(result.value(measure)[0]) if result.converged else None
-        numbers[measure.name] = value
-        if units.is_ring_force(measure.units):
-            numbers[f"{measure.name}_{PER_MM}"] = None if value is None else units.per_mm * value
+        names = names_of(measure, result.seal)
+        values = result.value(measure).tolist() if result.converged else [None] * len(names)
+        for name, value in zip(names, values, strict=True):
+            numbers[name] = value
+            if units.is_ring_force(measure.units):
+                numbers[f"{name}_{PER_MM}"] = None if value is None else units.per_mm * value
     return numbers
 
 

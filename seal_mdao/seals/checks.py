@@ -102,7 +102,7 @@ def _forces(step) -> float:
 
 
 def _least_force(path: PathResult) -> float:
-    """Compute the force that counts as zero: that of a shear strain of ``NO_STRAIN`` over the section."""
+    """Compute the force that counts as zero, of a shear strain ``NO_STRAIN`` over the section."""
     # F = gamma G L depth
     disc = path.discretization
     regions = path.problem.term("structure").definition.regions

@@ -306,6 +306,22 @@ def test_sweep_is_the_analyses_one_by_one(bulb, tmp_path):
     assert (out / "sweep.png").is_file()
 
 
+def test_a_sweep_has_every_value_of_a_measure_and_units(bulb, tmp_path, capsys):
+    path = bulb.with_name("forces.toml")
+    more = '[[measure]]\ntype = "reaction"\nname = "forces"\ncomponent = "y"\ntravel = [0.5, 1.0]\n'
+    path.write_text(bulb.read_text(encoding="utf-8") + more, encoding="utf-8")
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(path), "--vary", "c10", "80,90", "--out", str(out)]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    measure = next(m for m in sm.build_seal(path).standard if m.name == "forces")
+    forces = sm.analyze(sm.build_seal(path)).value(measure)
+    (first, _), units = summary["values"], summary["units"]
+    assert [first["forces_1"], first["forces_2"]] == pytest.approx(list(forces), rel=1e-9)
+    assert first["trustworthy"] is True
+    assert (units["forces_1"], units["forces_2"], units["contact_width"]) == ("N/m", "N/m", "mm")
+    assert "forces_2 = " in capsys.readouterr().out
+
+
 def test_a_sweep_prints_each_warning_once(bulb, tmp_path, capsys, monkeypatch):
     """With the values that have it; an analysis that cannot be used or fails is status 1."""
     out, own = tmp_path / "sweep", lambda result: f"{result.seal.scalars['c10'].value:g} kPa"
@@ -642,6 +658,15 @@ def test_json_and_quiet(bulb, tmp_path, capsys):
     assert capsys.readouterr() == ("", "")
 
 
+def test_json_of_a_command_without_a_summary_lists_its_files(bulb, tmp_path, capsys):
+    """Not the summary that another command has left in the folder."""
+    out = tmp_path / "out"
+    assert main(["check", str(bulb), "--out", str(out)]) == 0
+    capsys.readouterr()
+    assert main(["animate", str(bulb), "-o", "close.gif", "--out", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"files": ["close.gif"]}
+
+
 def test_ctrl_c_ends_with_130_and_leaves_what_was_done(bulb, tmp_path, monkeypatch, capsys):
     """The second of three analyses is interrupted; the table has the first."""
     analyses, real = [], sm.analyze
@@ -753,16 +778,6 @@ def test_what_an_optimisation_lacks_is_said_before_load_steps_are_chosen(
     bulb.write_text(text[: text.index("[optimize]")], encoding="utf-8")
     assert main(["optimize", str(bulb), "--out", str(tmp_path / "out")]) == 2
     assert "[optimize] is missing" in capsys.readouterr().err
-
-
-def test_a_seal_without_profiles_is_not_compared(bulb, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("seal_mdao.cli.compare.analyzed", None)
-    file = replace(sm.read_seal_file(bulb), profiles=())
-    monkeypatch.setattr("seal_mdao.cli.compare.file_of", lambda path: file)
-    with pytest.raises(SystemExit) as ended:
-        main(["compare", str(bulb), "--out", str(tmp_path)])
-    assert ended.value.code == 2
-    assert "the seal file has no [[profile]]" in capsys.readouterr().err
 
 
 @pytest.mark.filterwarnings("default")

@@ -180,6 +180,34 @@ def test_named_edges_leave_out_the_others(tmp_path):
     assert values[1] == pytest.approx(3.1, rel=0.011)
 
 
+BLOCK = """
+[material.rubber]
+shore_a = 60
+[section]
+material = "rubber"
+spacing = 0.5
+outer = [
+  { edge = "foot", line = [[-5.0, 0.0], [5.0, 0.0]] },
+  { edge = "right", line = [[5.0, 0.0], [5.0, 2.0]] },
+  { edge = "top", arc = { start = [5.0, 2.0], through = [0.0, 4.0], end = [-5.0, 2.0] } },
+  { edge = "left", line = [[-5.0, 2.0], [-5.0, 0.0]] },
+]
+[fixed]
+edges = ["foot"]
+[[profile]]
+name = "door"
+friction = 0.2
+contact = ["right", "top", "left"]
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, 4.0]
+stage = [{ translate = [0.0, -0.6], steps = 3 }]
+[[measure]]
+type = "wall_thickness"
+edges = ["top"]
+opposite = ["foot"]
+"""
+
+
 def test_two_bodies_have_no_wall_between_them():
     """Groups of particles that no cell joins are not two sides of one wall."""
     one, shift = Ring(20), np.array([20.0, 0.0])
@@ -229,3 +257,10 @@ def test_the_example_with_a_least_wall_begins_where_it_decides():
         sizes.append(found.size.min())
     assert 0.97 * least < sizes[0] < 1.02 * least
     assert sizes[1] > least + 0.05
+
+
+def test_a_wall_that_is_nearest_along_the_side_of_the_section(tmp_path):
+    """The middle of the nearest line lies on a free edge, or outside of it by rounding."""
+    path = tmp_path / "block.toml"
+    path.write_text(BLOCK, encoding="utf-8")
+    assert sm.read_seal_file(path).measures[0].opposite == ("foot",)

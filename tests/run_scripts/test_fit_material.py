@@ -155,3 +155,17 @@ def test_wrong_arguments(fit_script, arguments, expected, capsys):
         code = ended.code
     assert code == 2
     assert expected in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_stresses_in_another_unit_are_reported(fit_script, capsys):
+    """In MPa instead of kPa the modulus is a thousand times too small for rubber."""
+    stretch = np.linspace(1.1, 2.0, 10)
+    stress = nominal_stress(Yeoh(300.0, 0.0, 0.0), MODES["uniaxial"], stretch) / 1000.0
+    lines = [
+        f"uniaxial,{x!r},{y!r}" for x, y in zip(stretch.tolist(), stress.tolist(), strict=True)
+    ]
+    code, summary, _ = fit_script(HEAD + "\n".join(lines), "--law", "neo_hookean")
+    assert code == 0
+    (warning,) = summary["warnings"]
+    assert "an initial shear modulus of 0.6 kPa, smaller than that of rubber" in warning
+    assert f"WARNING: {warning}" in capsys.readouterr().out

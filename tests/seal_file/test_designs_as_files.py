@@ -315,45 +315,56 @@ def test_clouds_keep_where_kernels_were_chosen(bulb):
     assert np.array_equal(mesh.point_data[FIRST][:, :2], seal.nominal_particles)
 
 
-@pytest.mark.parametrize("steps", ["", ", steps = 4", ", steps = [0.2, 0.5, 1.0]"])
-def test_a_design_that_has_grown_into_a_profile_begins_farther_back_in_its_file(tmp_path, steps):
-    """The first stage becomes longer, and every load step ends where it did."""
-    lid = LID.replace(", steps = 3", steps).replace("friction = 0.3", "friction = 0.0")
-    path = tmp_path / "block.toml"
-    top = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
-    path.write_text(text(FIXED, lid, top), encoding="utf-8")
-    file = sm.read_seal_file(path)
-    seal = sm.build_seal(file)
-    grown = np.full(seal.n_offsets, 0.1)
-    found = sm.analyze(seal, grown)
-    measures = frozen_measures(seal)
-    written = write_design(file, seal, grown, measures, tmp_path, "grown")[0]
-    again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
-    assert again.reaction == pytest.approx(found.reaction, rel=1e-9, abs=1e-6)
-    (profile,) = sm.read_seal_file(written).profiles
-    assert profile.start[1] > 4.1
-    assert profile.start[1] + profile.stages[0].translate[1] == pytest.approx(3.52)
-    # one that is clear is written as it is
-    still = write_design(file, seal, 0.0 * grown, measures, tmp_path, "still")[0]
-    assert sm.read_seal_file(still).profiles[0].start == (0.0, 4.02)
+TOP = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
+MODELS = {
+    "strip": ("", "", ""), "heated": ("[model]\ntemperature = 60.0\n", "expansion = 2e-4\n", ""),
+    "relaxing": ("", "viscoelastic = { g = [0.3], tau = [1.0] }\n", ", duration = 2.0"),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("relaxes", [False, True])
-def test_a_grown_design_keeps_its_start_where_the_path_has_a_temperature_or_a_time(
-    tmp_path, relaxes
+@pytest.mark.parametrize(
+    ("model", "steps"),
+    [("strip", ""), ("strip", ", steps = [0.2, 0.5, 1.0]"), ("heated", ""), ("relaxing", "")],
+)
+def test_a_design_that_has_grown_into_a_profile_has_an_interference_in_its_file(
+    tmp_path, model, steps
 ):
-    """A longer first stage would be another temperature and another time at every load step."""
-    path, lid = tmp_path / "block.toml", LID.replace("friction = 0.3", "friction = 0.0")
-    model, rubber = "[model]\ntemperature = 60.0\n", "expansion = 2e-4\n"
-    if relaxes:
-        lid = lid.replace("steps = 3", "steps = 3, duration = 2.0")
-        model, rubber = "", "viscoelastic = { g = [0.3], tau = [1.0] }\n"
-    top = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.5\n'
-    given = model + text(FIXED, lid, top).replace("[section]", f"{rubber}[section]")
-    path.write_text(given, encoding="utf-8")
+    """The lid stays where it is and begins farther back, as in the analysis of the design; also where
+    the path has a temperature or a time, and a measure at a travel."""
+    of_model, rubber, more = MODELS[model]
+    lid = LID.replace(", steps = 3", f"{steps or ', steps = 3'}{more}")
+    travel = '[[measure]]\ntype = "reaction"\nname = "half"\ncomponent = "y"\ntravel = 0.25\n'
+    path = tmp_path / "block.toml"
+    given = text(FIXED, lid, TOP).replace("[section]", f"{rubber}[section]")
+    path.write_text(f"{of_model}{given}\n{travel}", encoding="utf-8")
     file = sm.read_seal_file(path)
     seal = sm.build_seal(file)
     grown = np.full(seal.n_offsets, 0.1)
-    written = write_design(file, seal, grown, frozen_measures(seal), tmp_path, "grown")[0]
-    (profile,) = tomllib.loads(written.read_text(encoding="utf-8"))["profile"]
-    assert profile["start"] == [0.0, 4.02]
+    found, measures = sm.analyze(seal, grown), frozen_measures(seal)
+    written = write_design(file, seal, grown, measures, tmp_path, "grown")[0]
+    (profile,) = sm.read_seal_file(written).profiles
+    assert (profile.start, profile.stages) == (file.profiles[0].start, file.profiles[0].stages)
+    assert 0.1 - 0.02 < profile.interference < 0.13
+    again = sm.analyze(sm.build_seal(sm.read_seal_file(written)))
+    for own in found.measures():
+        value = found.value(own)
+        np.testing.assert_allclose(again.value(own), value, rtol=1e-9, atol=1e-6)
+    # one that is clear has none
+    still = write_design(file, seal, 0.0 * grown, measures, tmp_path, "still")[0]
+    assert sm.read_seal_file(still).profiles[0].interference == 0.0
+
+
+def test_a_lid_with_an_interference(tmp_path):
+    """As one that comes from afar, without friction; without the key it is refused."""
+    lid = LID.replace("friction = 0.3", "friction = 0.0")
+    pressed = lid.replace("[0, 4.02]", "[0, 3.7]").replace("[0, -0.5]", "[0, -0.1]")
+    path = tmp_path / "block.toml"
+    path.write_text(text(FIXED, pressed), encoding="utf-8")
+    with pytest.raises(sm.SealFileError, match=r"0.3 mm inside .* give its interference"):
+        sm.read_seal_file(path)
+    pressed = pressed.replace("start", "interference = 0.31\nstart")
+    path.write_text(text(FIXED, pressed), encoding="utf-8")
+    own = sm.analyze(sm.build_seal(path))
+    path.write_text(text(FIXED, lid.replace("[0, -0.5]", "[0, -0.42]")), encoding="utf-8")
+    far = sm.analyze(sm.build_seal(path))
+    assert own.reaction[-1] == pytest.approx(far.reaction[-1], rel=1e-6)

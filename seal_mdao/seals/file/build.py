@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.errors import SealFileError
+from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import measure_of
 from seal_mdao.seals.outline.contours import Outline, sampled
@@ -66,6 +67,9 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
         )  # fmt: skip
     except ValueError as error:
         raise SealFileError(f"{file.path}: {error}") from error
+    # profiles that lie inside the section begin farther back
+    if any(own.interference for own in file.profiles):
+        seal = with_clear_starts(seal, seal.nominal_particles)
     _check_places(file, seal)
     if file.tolerance is not None:
         # placements of profiles are parameters that may vary

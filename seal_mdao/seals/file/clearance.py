@@ -84,7 +84,8 @@ def _free_runs(names, supports) -> list[tuple[str, ...]]:
 
 
 def check_start(where: str, profile, outline) -> float:
-    """Return the least gap of a profile at the start, mm, which must not be negative.
+    """Return the least gap of a profile at the start, mm, which must not be negative beyond its
+    ``interference``.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def check_start(where: str, profile, outline) -> float:
     """
     # g < 0: the section begins inside the rigid body
     least, place, edge = nearest_at_start(profile, outline)
-    if least < -TYPED * outline.size:
+    if least < -TYPED * outline.size - profile.interference:
         gap, sagitta = gap_at_start(profile), LOOK * outline.size
         # points along all edges that may touch
         every = [s.points(s.chords(sagitta)) for s in _segments(profile, outline)]
@@ -105,6 +106,7 @@ def check_start(where: str, profile, outline) -> float:
             f"{where}: start = {pair(profile.start)} puts the edge {edge!r} {-least:.3g} mm "
             f"inside the rigid body at {pair(np.round(place, 6) + 0.0)}; start it farther away"
             + ("" if touching is None else f", such as start = {touching}, where it touches")
+            + ", give its interference"
             + " or remove that edge from the list contact" * (len(profile.contact) > 1)
             + f" (the rigid body lies on the left of the curve's direction{turned})"
         )
@@ -114,11 +116,12 @@ def check_start(where: str, profile, outline) -> float:
 def cleared(profile, outline):
     """Return the profile with a start position at which it does not overlap the section.
 
-    A profile that touches in the drawing would begin within the section or outside of it by chance.
+    A profile that touches in the drawing would begin within the section or outside of it by chance. One
+    with an interference is left as it is (``seals.clear_start``).
     """
     clear = ROUNDING * outline.size
     least, place, _ = nearest_at_start(profile, outline)
-    if least > TYPED * outline.size:
+    if abs(least) > TYPED * outline.size:
         return profile
     typed = 0.0 if abs(least) <= clear else least
     return _moved_off(profile, place, 2.0 * clear - typed, outline.size)

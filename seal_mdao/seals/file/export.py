@@ -12,7 +12,7 @@ import shapely
 
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
-from seal_mdao.seals.file.clear_designs import write_clear_start
+from seal_mdao.seals.file.clearance import TYPED, nearest_at_start
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
 from seal_mdao.seals.outline.cloud_file import write_cloud
@@ -99,7 +99,8 @@ def write_design(
     lines = _moved_lines(seal, offsets)
     drawn = len(file.section.parting)
     parting = dict.fromkeys(between, lines[:drawn])
-    write_dxf(outline_of(file, seal, offsets), paths[1], parting)
+    outline = outline_of(file, seal, offsets)
+    write_dxf(outline, paths[1], parting)
     write_cloud(seal, offsets, paths[2])
     # drawing and cloud replace the keys of outline and filling
     section = {key: value for key, value in given["section"].items() if key not in DRAWN}
@@ -115,12 +116,15 @@ def write_design(
     _move_designs(given.get("design", []), seal, offsets)
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
-    write_clear_start(given, file, seal, offsets)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
     # edges of the nominal section; a cloud has no scheme, from which contact points would follow
     for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
         own["contact"] = list(profile.contact)
         own["contact_points"] = profile.contact_points
+        # a design that has grown into it: a hundredth more, for the drawing is rounded
+        inside = -1.01 * nearest_at_start(profile, outline).gap
+        if inside > TYPED * outline.size:
+            own["interference"] = max(profile.interference, float(f"{inside:.3g}"))
     text = HEAD.format(name=file.path.name) + on_lines(writer.dumps(given))
     paths[0].write_text(text, encoding="utf-8")
     return paths

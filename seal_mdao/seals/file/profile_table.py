@@ -116,6 +116,11 @@ class ProfileTable(Staged, SegmentTable):
     start: Place = key("position of the origin of its coordinates at the start", (0.0, 0.0))
     angle: Angle = key("rotation about the pivot at the start", 0.0)
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
+    interference: number("mm", least=0.0, most=1e4) = key(
+        "largest depth by which it may lie inside the section at the start, such as a shaft in a lip; "
+        "the motion then begins farther back, and the first load step ends where it does anyway",
+        0.0,
+    )
     normal_penalty: Penalty | None = key(
         "normal penalty; it is chosen automatically if not given", None
     )

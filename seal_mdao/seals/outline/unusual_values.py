@@ -1,5 +1,6 @@
 """Material values far outside the range of rubber, which mostly indicate a wrong unit."""
 
+from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.region import Region
 
@@ -31,10 +32,9 @@ def unusual_values(body: ElasticBody) -> list[str]:
     return found
 
 
-def _of_region(region: Region, environment):
-    """Describe the unusual values of one material."""
-    what = f"the material {region.name!r}" if region.name else "the material"
-    shear, bulk = region.material.shear_modulus, region.material.initial_bulk_modulus
+def unusual_moduli(what: str, material: Isotropic):
+    """Yield a line for each modulus of a material, named ``what``, far outside the range of rubber."""
+    shear, bulk = material.shear_modulus, material.initial_bulk_modulus
     if not _within(shear, SHEAR):
         compared = "smaller" if shear < SHEAR[0] else "larger"
         yield (
@@ -46,6 +46,12 @@ def _of_region(region: Region, environment):
             f"{what} has a bulk modulus of {bulk:.4g} kPa, larger than {MOST_BULK:g}; dense rubber has "
             "1e6 to 3e6; moduli are in kPa: 1 MPa is 1000 kPa"
         )
+
+
+def _of_region(region: Region, environment):
+    """Describe the unusual values of one material."""
+    what = f"the material {region.name!r}" if region.name else "the material"
+    yield from unusual_moduli(what, region.material)
     if environment is None:
         return
     alpha, swelling = region.growth.expansion, region.growth.swelling

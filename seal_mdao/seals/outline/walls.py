@@ -19,7 +19,8 @@ def fault_of_wall(outline, edges, opposite) -> str:
     # even number of contours around a point: outside, or in a hole; one on a contour is within it, where
     # the edge between two parallel ones is itself the nearest line
     middle = shapely.line_interpolate_point(shortest, 0.5, normalized=True)
-    around = shapely.covers(np.array([shapely.polygons(own) for own in outline.polyline()]), middle)
+    polygons = np.array([shapely.polygons(own) for own in outline.polyline()])
+    around = shapely.dwithin(polygons, middle, MEETING * outline.size)
     if around.sum() % 2 == 0:
         return "face each other across a gap instead of across rubber; name the two sides of a wall"
     return ""
