@@ -27,7 +27,7 @@ from seal_mdao.calibration.measurement_files import MaterialDataError, read_rows
 COLUMNS = ("mode", "stretch", "stress_kPa")
 LATERAL = "lateral_stretch"
 STRETCH_RANGE = (0.01, 20.0)
-"""Range of stretches in a file; others indicate wrong units: rubber breaks at a stretch of at most 12."""
+"""Range of stretches in a file; others indicate wrong units, for rubber breaks at 12 at most."""
 LARGEST_STRESS = 1e9
 """Largest admissible stress, kPa."""
 NEAR_ONE = 0.02

@@ -329,8 +329,10 @@ def _cause(error: Exception, out: Path) -> str:
 
 
 def _files(out: Path) -> dict[str, int]:
-    """Return the times at which the files of a folder were written (ns), by their names."""
-    return {own.name: own.stat().st_mtime_ns for own in out.iterdir() if own.is_file()}
+    """Return the times at which the files of a folder were written (ns), by their names; without hidden
+    ones, such as the lock of a recorder file."""
+    files = (own for own in out.iterdir() if own.is_file() and not own.name.startswith("."))
+    return {own.name: own.stat().st_mtime_ns for own in files}
 
 
 def _saved(out: Path, before: dict[str, int]) -> str:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from contextlib import contextmanager
+
+SAME = 0.5
+"""Seconds within which further signals belong to the first one: those of a group of processes, or a key
+that is held. Without this time they would end the code of an optimiser that is not written in Python,
+which does not survive it."""
 
 
 class InterruptGuard:
-    """Convert the first Ctrl-C into a request to stop; the second one raises KeyboardInterrupt.
+    """Convert the first Ctrl-C into a request to stop; one after ``SAME`` seconds raises
+    KeyboardInterrupt.
 
     While the model runs (inside `running`) Ctrl-C raises KeyboardInterrupt there, so that a
     long analysis ends at once. Between runs, in the code of the optimiser, it only sets `requested`.
@@ -20,7 +27,7 @@ class InterruptGuard:
     def __init__(self):
         self.requested = False
         self._running = False
-        self._previous = None
+        self._previous, self._first = None, 0.0
 
     def __enter__(self) -> InterruptGuard:
         if threading.current_thread() is threading.main_thread():
@@ -29,6 +36,9 @@ class InterruptGuard:
 
     def __exit__(self, *exc_info) -> None:
         if self._previous is not None:
+            # what follows an optimisation, such as writing its best design, is not interrupted either
+            if self.requested:
+                time.sleep(max(0.0, SAME - (time.monotonic() - self._first)))
             signal.signal(signal.SIGINT, self._previous)
         self.requested, self._previous = False, None
 
@@ -48,7 +58,11 @@ class InterruptGuard:
             self._running = False
 
     def _handle(self, signum, frame) -> None:
+        again, now = self.requested, time.monotonic()
+        if not again:
+            self.requested, self._first = True, now
+        elif now - self._first < SAME:
+            return
         # second Ctrl-C, or during an analysis: raise
-        again, self.requested = self.requested, True
         if again or self._running:
             raise KeyboardInterrupt

@@ -11,7 +11,7 @@ import pytest
 from driver_models import constrained_problem, d_rosenbrock, plane_problem, quadratic, rosenbrock
 from packaging.version import Version
 
-from seal_mdao.drivers.interrupt import InterruptGuard
+from seal_mdao.drivers.interrupt import SAME, InterruptGuard
 
 
 class SpecialError(Exception):
@@ -141,11 +141,38 @@ def test_guard_between_runs_only_notes_the_wish():
             pytest.fail("the model must not run after a request to stop")
 
 
-def test_guard_lets_the_second_ctrl_c_through():
+def test_guard_lets_a_later_ctrl_c_through(monkeypatch):
+    now = [10.0]
+    monkeypatch.setattr("seal_mdao.drivers.interrupt.time.monotonic", lambda: now[0])
     with InterruptGuard():
         signal.raise_signal(signal.SIGINT)
+        now[0] += SAME + 0.1
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
+
+
+def test_signals_at_once_are_one_ctrl_c():
+    """A group of processes gets several; the code of an optimiser must not be left by an exception."""
+    with InterruptGuard() as guard:
+        for _ in range(3):
+            signal.raise_signal(signal.SIGINT)
+        assert guard.requested
+        with pytest.raises(KeyboardInterrupt), guard.running():
+            pytest.fail("the model must not run after a request to stop")
+
+
+def test_signals_at_once_are_one_ctrl_c_after_the_optimisation_too(monkeypatch):
+    """The best design is written after it."""
+    slept = []
+
+    def sleep(seconds):
+        slept.append(seconds)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("seal_mdao.drivers.interrupt.time.sleep", sleep)
+    with InterruptGuard():
+        signal.raise_signal(signal.SIGINT)
+    assert 0.0 < slept[0] <= SAME
 
 
 def test_guard_restores_the_handler():
