@@ -4,6 +4,7 @@ import argparse
 import io
 import json
 import math
+import os
 import sqlite3
 import sys
 import tempfile
@@ -254,7 +255,13 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     _require_folder(made, arguments.out)
     before = _files(arguments.out)
     try:
-        return _printed_as_asked(main, arguments)
+        code = _printed_as_asked(main, arguments)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # what reads the output has ended, such as head; Python would write the rest when it ends
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115
+        return _ended(made, f"the output is no longer read; {_saved(arguments.out, before)}", 1)
     except sm.SealFileError as error:
         # the seal file is wrong: exit status 2
         return _ended(made, str(error), 2)

@@ -3,6 +3,8 @@
 import warnings
 from pathlib import Path
 
+import numpy as np
+
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.analysis_cache import AnalysisCache
@@ -244,6 +246,14 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
     return said, {measure.name: result.value(measure) for measure in result.measures()}
 
 
+def _change(value: float, before: float) -> str:
+    """Format the change of a value relative to that with the optimiser's particles; empty where it has
+    none."""
+    if not before or not np.isfinite([value, before]).all():
+        return ""
+    return f" ({value / before - 1.0:+.2%})"
+
+
 def report_anew(ends: dict, anew: dict | None) -> None:
     """Print objective and constraints as evaluated with new particles."""
     # objective first, then constraints
@@ -251,8 +261,7 @@ def report_anew(ends: dict, anew: dict | None) -> None:
     known = {} if anew is None else {n: anew[n][0] for n in rows if n in anew and len(anew[n]) == 1}
     if known:
         words = [
-            # value and change relative to the optimiser's cloud
-            f"{label(name)} {value:.4g} {rows[name]['unit']} ({value / rows[name]['end'] - 1.0:+.2%})"
+            f"{label(name)} {value:.4g} {rows[name]['unit']}{_change(value, rows[name]['end'])}"
             for name, value in known.items()
         ]
         print(f"with new particles: {', '.join(words)}")

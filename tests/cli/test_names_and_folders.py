@@ -1,6 +1,9 @@
 """Names of parameters in sweeps and tolerances, default folders, headings of options."""
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -93,3 +96,16 @@ def test_options_of_the_built_in_seal_have_a_heading(command, capsys):
     own, built_in = text.split("door seal of the paper (without a seal file):")
     assert "--rays" not in own.partition("options:")[2]
     assert "--rays" in built_in
+
+
+def test_a_reader_of_the_output_that_has_ended(tmp_path):
+    """As ``head`` does after its last line; the disk is not at fault."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "seal_mdao", "examples", "--out", str(tmp_path)]
+    ended = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(write)
+    assert ended.returncode == 1
+    assert ended.stderr == (
+        f"seal-mdao examples: the output is no longer read; nothing was saved in {tmp_path}\n"
+    )
