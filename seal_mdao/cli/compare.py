@@ -48,6 +48,9 @@ def main(arguments) -> int:
 
 def names_of(paths) -> list[str]:
     """Name the files by their stems, with the folder where stems are the same."""
+    for number, path in enumerate(paths):
+        if path in paths[:number]:
+            raise WrongArgumentError(f"the seal file {path} is given twice; name every file once")
     stems = [path.stem for path in paths]
     names = [
         path.stem if stems.count(path.stem) == 1 else f"{path.parent.name}_{path.stem}"

@@ -622,8 +622,10 @@ def test_compare_prints_the_width_in_contact_with_every_profile(capsys):
 def test_names_of_files_of_one_stem():
     paths = [Path("a/seal.toml"), Path("b/seal.toml"), Path("c/other.toml")]
     assert names_of(paths) == ["a_seal", "b_seal", "other"]
-    with pytest.raises(WrongArgumentError, match="a_seal"):
+    with pytest.raises(WrongArgumentError, match=r"a/seal.toml is given twice"):
         names_of([Path("a/seal.toml"), Path("a/seal.toml")])
+    with pytest.raises(WrongArgumentError, match="a_seal"):
+        names_of([Path("a/seal.toml"), Path("b/a/seal.toml")])
 
 
 @pytest.mark.parametrize("name", ["close.gif", "new/close.html"])
