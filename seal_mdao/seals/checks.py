@@ -180,8 +180,8 @@ def _fluids(samples: EvaluationPoints):
                 "edge on the wet side, or change the end (from)",
                 False,
             )
-        # w > 0 at the last particle, though a profile touches the edge
-        elif weight[-1] > 0.0 and closing.any():
+        # w > 0 at the last particle
+        elif weight[-1] > 0.0:
             yield Finding(
                 f"the fluid {term.label!r} passes the contact and acts on its complete edge: a pressure "
                 f"of {term.pressure_at(at_end):.4g} kPa needs a contact pressure of "

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -37,6 +38,16 @@ def test_creases_in_the_inner_corner_of_a_bulb_are_reported(d_bulb):
 def test_bulb_that_bends_less_has_no_creases():
     """Its most compressed side has a stretch of 0.81."""
     assert not creases.creases(EvaluationPoints(analysed("sealed_bulb").path))
+
+
+def test_sides_between_supports_along_one_axis_are_no_free_surface():
+    """Of the sides of four particles: one in a plane of symmetry, one that ends in it, and one between
+    two planes."""
+    fixed = np.array([[True, False], [True, False], [False, False], [False, True]])
+    body = SimpleNamespace(fixed=fixed)
+    samples = SimpleNamespace(path=SimpleNamespace(discretization=SimpleNamespace(body=body)))
+    held = creases._held(samples, np.array([[0, 1], [1, 2], [0, 3]]))
+    assert held.tolist() == [True, False, False]
 
 
 def ended(result, steps):

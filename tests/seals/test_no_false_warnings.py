@@ -1,5 +1,6 @@
 """States that are admissible, of which older versions warned."""
 
+import numpy as np
 import pytest
 
 import seal_mdao as sm
@@ -45,6 +46,21 @@ def test_a_seal_that_is_released_has_not_buckled(warnings):
         RUBBER + SQUARE + '[fixed]\nedges = ["base"]\n' + LID.format(0.2, 4, 4) + stages
     )
     assert "buckled" not in found
+
+
+def test_steps_of_a_seal_that_is_released_and_leaks(warnings):
+    """Its leak rate is infinite with any load steps."""
+    stages = "stage = [{ translate = [0, -0.3] }, { translate = [0, 0.5] }]\n"
+    leak = """[[measure]]
+type = "leak_rate"
+rms_roughness = 5.0
+roll_off_wavelength = 500.0
+shortest_wavelength = 1.0
+pressure = 10.0
+"""
+    text = RUBBER + SQUARE + '[fixed]\nedges = ["base"]\n' + LID.format(0.2, 4, 4) + stages + leak
+    result, _ = warnings(text)
+    assert np.isinf(result.value(result.measures()[0]))
 
 
 def test_a_bonded_profile_touches_the_seal(warnings):
