@@ -40,7 +40,6 @@ from seal_mdao.seals.profiles import (
     contacts,
     moving_histories,
     path_stages,
-    profile_histories,
 )
 from seal_mdao.seals.result import SealResult, frozen_measures, is_empty
 from seal_mdao.structure.deformation import lowest_jacobian
@@ -138,8 +137,10 @@ def errors_of(file, result: SealResult) -> dict:
 def summarize(result: SealResult) -> dict:
     """Collect summary.json; results at the end of the path are None when it was not completed."""
     # state of every profile after every load step
-    histories, steps = profile_histories(result), result.path.nominal_steps
-    edges = moving_histories(result)[len(histories) :]
+    every, steps, profiles = (
+        moving_histories(result), result.path.nominal_steps, len(contacts(result.seal))
+    )  # fmt: skip
+    histories, edges = every[:profiles], every[profiles:]
     summary = {
         "converged": result.converged,
         "trustworthy": result.trustworthy,

@@ -255,7 +255,7 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     _require_folder(made, arguments.out)
     before = _files(arguments.out)
     try:
-        code = _printed_as_asked(main, arguments)
+        code = _printed_as_asked(main, arguments, before)
         sys.stdout.flush()
         return code
     except BrokenPipeError:
@@ -278,9 +278,9 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
         return _ended(made, f"interrupted; {_saved(arguments.out, before)}", CTRL_C)
 
 
-def _printed_as_asked(main: Callable, arguments: argparse.Namespace) -> int:
-    """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``)."""
-    before = _files(arguments.out) if arguments.json else {}
+def _printed_as_asked(main: Callable, arguments: argparse.Namespace, before: dict[str, int]) -> int:
+    """Run with its lines, with nothing (``--quiet``), or with ``summary.json`` (``--json``); ``before``
+    are the files at its beginning."""
     with ExitStack() as stack:
         # figures name the seals that are read
         stack.enter_context(captioned())

@@ -460,9 +460,12 @@ def _smaller_of_wall_and_squeeze(samples: EvaluationPoints) -> tuple[float, str]
     # a thick wall is squeezed in part only: then the largest displacement, or that of free growth where
     # walls prevent it
     path = samples.path
-    squeeze = max(path.largest_displacement, _free_growth(path))
+    squeeze, whose = max(
+        (path.largest_displacement, "the largest displacement"),
+        (_free_growth(path), "the free expansion"),
+    )
     if 0.0 < squeeze < samples.wall:
-        return squeeze, "the largest displacement"
+        return squeeze, whose
     return samples.wall, "the wall's thickness"
 
 

@@ -16,7 +16,7 @@ from seal_mdao.dsa.parameters import parameter_rates
 from seal_mdao.dsa.sensitivity import Wanted, direct_rates
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.measures.reaction import Reaction
-from seal_mdao.seals.profiles import moved_edges
+from seal_mdao.seals.profiles import contacts, moved_edges
 
 NORMAL, TANGENT = "normal_penalty", "tangent_penalty"
 SMALL_LENGTH = 0.01
@@ -155,11 +155,10 @@ def standard_measures(result) -> tuple[Measure, ...]:
         base = measure.base if isinstance(measure, Derived) else measure
         if base.size(seal):
             found[measure.name] = measure
-    profiles = [term.label for term in seal.terms() if isinstance(term, RigidContact)]
-    for label in profiles or [own.label for own in moved_edges(seal)]:
+    for part in contacts(seal) or moved_edges(seal):
         # force on it, unless the seal has that measure
-        name = f"force_on_{label}"
-        found.setdefault(name, Reaction(label, name=name))
+        name = f"force_on_{part.label}"
+        found.setdefault(name, Reaction(part.label, name=name))
     return tuple(found.values())
 
 

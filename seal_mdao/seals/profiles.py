@@ -130,15 +130,15 @@ def moving_parts(seal) -> list:
 
 def leading_part(seal):
     """Return the contact with the first profile that moves, or the first edges that do; where nothing
-    moves the first profile.
+    moves the first of all.
 
     Raises
     ------
     ValueError
         For a seal without profiles and moved edges.
     """
-    parts = moving_parts(seal)
-    return next((own for own in parts if own.motion.moves), None) or leading_contact(seal)
+    parts = moving_parts(seal) or [leading_contact(seal)]
+    return next((own for own in parts if own.motion.moves), parts[0])
 
 
 def motions(seal) -> list[Motion]:

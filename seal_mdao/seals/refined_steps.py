@@ -13,7 +13,7 @@ from seal_mdao.seals.adjusted_penalties import (
     with_own_parameters,
 )
 from seal_mdao.seals.penalty_error import penalty_errors, scale_of, standard_measures
-from seal_mdao.seals.profiles import contacts, moved_edges
+from seal_mdao.seals.profiles import moving_parts
 from seal_mdao.seals.result import UNUSABLE, SealResult
 
 ROUNDS = 10
@@ -127,9 +127,8 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
     """Compute the largest relative difference of the total force on a rigid profile, or on moved edges,
     along the path."""
     found = [0.0]
-    moving = (*contacts(coarse.seal), *moved_edges(coarse.seal))
-    for label in dict.fromkeys(own.label for own in moving):
-        one, other = (result.path.reaction(label) for result in (coarse, fine))
+    for part in moving_parts(coarse.seal):
+        one, other = (result.path.reaction(part.label) for result in (coarse, fine))
         # max |F_coarse - F_fine| / max |F_fine| along the path
         scale = np.abs(other).max()
         if scale > 0.0:

@@ -99,3 +99,15 @@ def test_a_profile_that_stands_still_has_the_travel_of_moved_edges(block):
     np.testing.assert_allclose(
         force[1:], -plate.force @ [-0.6, -0.8], rtol=1e-6, atol=1e-6 * force.max()
     )
+
+
+def test_edges_that_stand_still_hold_a_block_that_expands(block, tmp_path):
+    """Nothing moves, and there is no profile: the temperature alone changes."""
+    path = block.with_name("heated.toml")
+    text = BLOCK.replace("translate = [0.3, -0.4], steps = 4", "steps = 2")
+    text = text.replace("bulk_modulus = 8000.0", "bulk_modulus = 8000.0\nexpansion = 2e-4")
+    path.write_text(f"[model]\ntemperature = 60.0\n{text}")
+    main(["analyze", str(path), "--out", str(tmp_path), "--no-vtu"])
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["converged"]
+    assert summary["moved_edges"]["lid"]["force_N_per_m"][1] > 1.0

@@ -75,13 +75,13 @@ def test_an_analysis_writes_to_a_folder_of_its_file(file):
 )
 def test_every_command_has_a_folder_for_each_file(file, monkeypatch, given, folder):
     """So that a second seal neither is refused nor overwrites the results of the first one."""
-    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda main, arguments: 0)
+    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda *_: 0)
     assert main(given) == 0
     assert [own.name for own in Path("out").glob("*")] == ([folder] if folder else [])
 
 
 def test_a_restart_writes_beside_its_recorder_file(file, monkeypatch):
-    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda main, arguments: 0)
+    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda *_: 0)
     Path("before").mkdir()
     Path("before/cases.sql").touch()
     assert main(["optimize", "mine.toml", "--restart", "before/cases.sql"]) == 0
