@@ -18,6 +18,23 @@ ROUNDING = 1e-12
 """Relative difference up to which a travel counts as that of the complete path."""
 
 
+class Remembered(dict):
+    """Values of a function of the load parameter, each computed once.
+
+    Unlike a function with ``functools.cache`` it can be pickled, as results are by process pools.
+    """
+
+    def __init__(self, function):
+        self.function = function
+
+    def __missing__(self, fraction):
+        value = self[fraction] = self.function(fraction)
+        return value
+
+    def __call__(self, fraction):
+        return self[fraction]
+
+
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Motion of a profile: waypoints, load steps between them, and rates with respect to parameters.

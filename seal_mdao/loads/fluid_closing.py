@@ -1,6 +1,5 @@
 """Contact pressure of rigid profiles that close an edge against a fluid, and its rates."""
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ from seal_mdao.contact.friction import (
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.rigid_forces import contact_linearization
+from seal_mdao.geometry.motion import Remembered
 
 
 class ClosingRates(NamedTuple):
@@ -56,7 +56,8 @@ class Closing:
         self.curve = self.profile.curve
         # particles of the edge that the profile can touch
         self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
-        self.pose, self.motion_rates = cache(contact.motion.pose), cache(contact.motion.rates_at)
+        self.pose = Remembered(contact.motion.pose)
+        self.motion_rates = Remembered(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
         self.n_names = len(names)
 

@@ -13,10 +13,11 @@ from seal_mdao.geometry.motion import Motion
 def contact_losses(path: PathResult) -> Iterator[str]:
     """Yield a sentence for every profile that touches the seal in a closing stage, but not at its end.
 
-    A profile that stands still has the stages of the first one that moves.
+    A profile that stands still has the stages of the first one that moves, or of the first moved edges.
     """
     contacts = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
-    leading = next((term.motion for term in contacts if term.motion.moves), None)
+    parts = [*contacts, *getattr(path.problem.imposed, "edges", ())]
+    leading = next((own.motion for own in parts if own.motion.moves), None)
     fractions = np.array([step.fraction for step in path.steps])
     for term in contacts:
         motion = term.motion if leading is None or term.motion.moves else leading

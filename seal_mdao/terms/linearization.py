@@ -114,7 +114,9 @@ class AllPoints(NamedTuple):
     def joined(self, values) -> np.ndarray:
         if values.array is not None:
             return values.array
-        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in values[:-1]])
+        # (a, b, P) to (a b, P), also for P = 0
+        parts = zip(values[:-1], self.shapes, strict=True)
+        return np.concatenate([own.reshape(a * b, own.shape[-1]) for own, (a, b) in parts])
 
     def split(self, rows: np.ndarray):
         parts = zip(self.shapes, self.slices, strict=True)

@@ -50,6 +50,13 @@ CAVITY = "[[cavity]]\nhole = 1\n"
 VENTS = "vent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
+GAPS = """[[measure]]
+type = "section_area"
+name = "gaps_2"
+[[measure]]
+type = "gap"
+name = "gaps"
+"""
 LOST = '[[measure]]\ntype = "friction_work"\n'
 REGION = """[material.foot]
 law = "neo_hookean"
@@ -159,6 +166,8 @@ BAD = {
                            "[self_contact]: friction = -0.3, but it must be a number"),
     "measure named as a column": (FIXED, FIXED + LOST + 'name = "converged"\n',
                                   "name = 'converged' is the name of a column of sweep.csv; give"),
+    "measure named as a value of another": (FIXED, FIXED + GAPS,
+        "name = 'gaps_2' is the name of a column of sweep.csv for a value of the [[measure]] 'gaps'"),
     "friction work with a fluid": (FIXED, FIXED + FLUID + LOST,
                                    "with [[fluid]], because a fluid does work"),
     "friction work with vents": (FIXED, FIXED + CAVITY + VENTS + LOST,

@@ -140,3 +140,36 @@ def test_stages_close_unless_they_lead_back():
     ]
     motion = staged_motion(stages)
     assert [closes(motion, i) for i in range(6)] == [True, True, True, False, True, False]
+
+
+def test_a_profile_that_stands_still_has_the_stages_of_moved_edges(tmp_path):
+    """A strip is pressed against it, and then lifted: only a stage of pressing can lose the contact."""
+    (tmp_path / "strip.toml").write_text(STRIP)
+    result = sm.analyze(sm.build_seal(sm.read_seal_file(tmp_path / "strip.toml")))
+    assert result.converged, result.failure
+    touching = [own.branch.any() for own in result.path.responses("plate")]
+    assert touching == [False] + [True] * 5 + [False] * 2
+    assert lost(result) == ()
+
+
+STRIP = """\
+[material.rubber]
+law = "neo_hookean"
+c10 = 100.0
+bulk_modulus = 2000.0
+[section]
+material = "rubber"
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[-4, 0], [4, 0]] }, { edge = "right", line = [[4, 0], [4, 4]] },
+  { edge = "top", line = [[4, 4], [-4, 4]] }, { edge = "left", line = [[-4, 4], [-4, 0]] },
+]
+[[moved]]
+edges = ["base"]
+stage = [{ translate = [0.0, 0.4], steps = 4 }, { translate = [0.0, -0.35], steps = 4 }]
+[[profile]]
+name = "plate"
+contact = ["top"]
+line = [[-40.0, 4.15], [40.0, 4.15]]
+friction = 0.2
+"""

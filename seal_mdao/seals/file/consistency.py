@@ -291,6 +291,13 @@ def _check_measures(file) -> None:
                 f"{where}: name = {measure.name!r} is the name of a column of sweep.csv; give the "
                 "measure another name"
             )
+        # values of a measure that has several are the columns name_1, name_2, ...
+        base, _, digits = measure.name.rpartition("_")
+        if digits.isdigit() and any(own.name == base and not own.single for own in file.measures):
+            raise SealFileError(
+                f"{where}: name = {measure.name!r} is the name of a column of sweep.csv for a value "
+                f"of the [[measure]] {base!r}; give one of both measures another name"
+            )
         # numbers of particles belong to a cloud that does not change
         cloud = isinstance(file.section.spacing, OutlineCloud)
         if getattr(measure, "places", None) is not None and not cloud:
