@@ -7,8 +7,9 @@ the consistent integration. A uniform pressure all round is therefore in equilib
 hydrostatic stress (with straight sides a pressure of 2.5 shear moduli wrinkles the body). In a body of
 revolution a side is turned about the axis: ds becomes c r ds. The weights w_i at
 the particles are those of ``fluid_law``, from the contact pressures of the rigid profiles that may touch
-the edge, and linear between; they couple a point of the front with all points behind it. n follows the
-deformed sides: a follower load.
+the edge, and linear between; they couple a point of the front with all points behind it. Contact at a
+sharp corner closes only the side behind it: the side before it has the weight of its first particle. n
+follows the deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace
@@ -55,6 +56,8 @@ class FluidPressure(TermDefinition):
         fluid, too.
     share : float
         A point is dry where the contact pressure exceeds 1 + share times the fluid pressure.
+    corners : ndarray of bool, shape (k,), or None
+        Which of the particles are sharp corners; None for none.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class FluidPressure(TermDefinition):
     ramp: np.ndarray
     contacts: tuple
     share: float = SHARE
+    corners: np.ndarray | None = None
 
     def __post_init__(self):
         values.real(f"pressure of {self.label!r}", self.pressure, 0.0)
@@ -94,6 +98,16 @@ class FluidPressure(TermDefinition):
         """Particles of the edge, ordered from the wet end."""
         edge = np.asarray(self.edge, int)
         return edge if self.end == "start" else edge[::-1]
+
+    @property
+    def weighted_by(self) -> np.ndarray:
+        """Indices of the particles whose weights every side has at its ends, shape (k - 1, 2)."""
+        first = np.arange(len(self.edge) - 1)
+        if self.corners is None:
+            return np.column_stack([first, first + 1])
+        # a side that ends at a corner has the weight of its first particle
+        corners = self.corners if self.end == "start" else self.corners[::-1]
+        return np.column_stack([first, np.where(corners[1:], first, first + 1)])
 
     @property
     def where(self) -> MaterialPoints:
@@ -175,7 +189,7 @@ class FluidPressureTerm(CoupledTerm):
         ]
         # directed away from the wet end: of an edge from its start, the body is on the left
         self._sides = PressedSides(
-            self.output_indices - 1, definition.end == "start", self.axisymmetric
+            definition.weighted_by, definition.end == "start", self.axisymmetric
         )
 
     # ---- the state ----
@@ -220,9 +234,8 @@ class FluidPressureTerm(CoupledTerm):
             pairs = np.concatenate([pairs, np.column_stack([point, POINTS * front[j]])])
             tangent = np.concatenate([tangent, own])
         # points of sides with any pressure
-        reached = (weight[:-1] > 0.0) | (weight[1:] > 0.0)
         loaded = np.zeros(len(x), np.int64)
-        loaded[self._sides.points[reached]] = 1
+        loaded[self._sides.points[self._sides.pressed(weight)]] = 1
         return CoupledResponse(
             x, np.tensordot(-pressure * weight, per_weight, 1), loaded, pairs, tangent,
             np.empty((0, *x.shape)), np.empty(0), _NO_BRANCH, None,

@@ -2,9 +2,11 @@
 
 The points of a side are its first particle, two Gauss points and its last particle, with which the
 consistent integration integrates the boundary, too (``rkpm.consistent_gradients``). With the weights
-w, linear along a side between the w_i of its particles, and n into the body,
+w, linear along a side between the w_i of two particles, and n into the body,
 
     f_m = int N_m w n ds = sum_i w_i f_im,    x = sum_n N_n(s) x_n.
+
+The two particles are those at its ends, or for a constant weight twice the same.
 
 A linear field moves a side to another straight one. There int N_m ds = (0, 1/2, 1/2, 0), and with w = 1
 the forces are those at the Gauss points, which balance a uniform hydrostatic stress to rounding.
@@ -87,16 +89,17 @@ class PressedSides:
 
     Parameters
     ----------
-    count : int
-        Number of sides.
+    weighted_by : ndarray of int, shape (s, 2)
+        Particles whose weights every side has at its beginning and at its end.
     left : bool
         Whether the body is on the left of the edge, else on its right.
     axisymmetric : bool
         Whether the edge is turned about the axis x = 0.
     """
 
-    def __init__(self, count: int, left: bool, axisymmetric: bool):
-        self.points = POINTS * np.arange(count)[:, None] + np.arange(POINTS + 1)
+    def __init__(self, weighted_by: np.ndarray, left: bool, axisymmetric: bool):
+        self.weighted_by = weighted_by
+        self.points = POINTS * np.arange(len(weighted_by))[:, None] + np.arange(POINTS + 1)
         self.inward = (1.0 if left else -1.0) * np.array([[0.0, -1.0], [1.0, 0.0]])
         self.axisymmetric = axisymmetric
 
@@ -113,12 +116,15 @@ class PressedSides:
         # f_im = int N_m M_i n ds = sum_n [int N_m M_i dN_n/ds ds] Q x_n,  Q: quarter turn inward
         inward = x[self.points] @ self.inward.T
         out = np.zeros((len(self.points) + 1, *x.shape))
-        side = np.arange(len(self.points))[:, None]
         consistent = 0.5 * self._corrections(x[self.points]) if self.axisymmetric else 0.0
-        for end, integrals in enumerate(self._integrals(x)):
-            # each point occurs once per side
-            out[side + end, self.points] += integrals @ inward + consistent
+        for particle, integrals in zip(self.weighted_by.T, self._integrals(x), strict=True):
+            # two sides may share a point and a particle
+            np.add.at(out, (particle[:, None], self.points), integrals @ inward + consistent)
         return out
+
+    def pressed(self, weight) -> np.ndarray:
+        """Find the sides with any pressure for the weights of particles, a mask (s,)."""
+        return weight[self.weighted_by].any(axis=1)
 
     def _corrections(self, x) -> np.ndarray:
         """Compute dC/dx_m of the sides (s) of deformed points ``x`` (s, 4, 2), shape (s, 4, 2)."""
@@ -132,9 +138,8 @@ class PressedSides:
 
     def tangents(self, x, size):
         """Compute pairs of points and tangents of a follower pressure ``size`` (k,) at the particles."""
-        wetted = np.flatnonzero((size[:-1] != 0.0) | (size[1:] != 0.0))
-        by_side = np.stack([size[wetted], size[wetted + 1]], axis=1)
-        points = self.points[wetted]
+        wetted = self.pressed(size)
+        by_side, points = size[self.weighted_by[wetted]], self.points[wetted]
         if self.axisymmetric:
             tangents = self._ring_turning(x[points], by_side)
         else:

@@ -92,6 +92,10 @@ def test_resultant_of_closed_sides():
     assert gradient[:, 0].sum() == pytest.approx(2e-3 * np.pi * polygon_area(egg())[0], rel=1e-10)
 
 
+ENDS = np.arange(10)[:, None] + np.arange(2)
+"""The particles at the ends of ten sides."""
+
+
 def side_of(first, last):
     """Points of a straight side: its ends and the two Gauss points between them."""
     at = np.array([0.0, INNER, 1.0 - INNER, 1.0])
@@ -110,7 +114,7 @@ def test_forces_of_linear_weights_are_integrated_exactly(rng, axisymmetric):
     shapes = np.array([own(s) for own in shapes])
     place, along = shapes.T @ x, slopes.T @ x
     inward = np.column_stack([-along[:, 1], along[:, 0]])
-    forces = PressedSides(1, True, axisymmetric).forces(x)
+    forces = PressedSides(ENDS[:1], True, axisymmetric).forces(x)
     around = 2e-3 * np.pi * place[:, 0] if axisymmetric else 1.0
     exact = [(shapes * weight * line * around) @ inward for line in (1.0 - s, s)]
     first, last = (own - expected for own, expected in zip(forces, exact, strict=True))
@@ -124,7 +128,7 @@ def test_forces_of_linear_weights_are_integrated_exactly(rng, axisymmetric):
 def test_forces_on_a_straight_side_are_those_of_the_consistent_integration(axisymmetric):
     """At the Gauss points the pressure on half of the side, at the ends nothing."""
     x = side_of(first := np.array([1.0, 3.0]), last := np.array([2.5, 3.4]))
-    force = PressedSides(1, True, axisymmetric).forces(x).sum(axis=0)
+    force = PressedSides(ENDS[:1], True, axisymmetric).forces(x).sum(axis=0)
     inward = np.array([first[1] - last[1], last[0] - first[0]])
     expected = 0.5 * np.outer([0.0, 1.0, 1.0, 0.0], inward)
     if axisymmetric:
@@ -132,10 +136,12 @@ def test_forces_on_a_straight_side_are_those_of_the_consistent_integration(axisy
     np.testing.assert_allclose(force, expected, atol=1e-14 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("weighted_by", [ENDS[:3], np.array([[0, 1], [1, 1], [2, 3]])])
 @pytest.mark.parametrize("axisymmetric", [False, True])
-def test_tangents_of_sides_are_the_derivatives_of_their_forces(rng, axisymmetric):
-    """Quotients of fourth order are exact for quadratic polynomials."""
-    sides, size = PressedSides(3, False, axisymmetric), rng.uniform(0.5, 1.0, 4)
+def test_tangents_of_sides_are_the_derivatives_of_their_forces(rng, axisymmetric, weighted_by):
+    """Quotients of fourth order are exact for quadratic polynomials; also with a side of constant
+    weight."""
+    sides, size = PressedSides(weighted_by, False, axisymmetric), rng.uniform(0.5, 1.0, 4)
     x, way = rng.uniform(1.0, 2.0, (10, 2)), rng.standard_normal((10, 2))
     places, (fine, _) = CENTRAL
     found = [np.tensordot(size, sides.forces(x + place * way), 1) for place in places]
@@ -167,7 +173,7 @@ def test_a_fluid_does_no_work_over_a_closed_cycle(rng):
     states = [x + 0.2 * rng.standard_normal(x.shape) for _ in range(4)]
     for one in states:
         one[[0, -1]] = x[[0, -1]]
-    sides = PressedSides(10, True, True)
+    sides = PressedSides(ENDS, True, True)
     total, size = work(lambda own: sides.forces(own).sum(axis=0), states)
     assert abs(total) <= 1e-10 * size
 
@@ -176,7 +182,7 @@ def test_ends_that_go_round_do_work(rng):
     """So the check above can fail: the pressure ends within the boundary."""
     x = egg(AXIS, 40)[:31]
     states = [x + 0.2 * rng.standard_normal(x.shape) for _ in range(4)]
-    sides = PressedSides(10, True, True)
+    sides = PressedSides(ENDS, True, True)
     total, size = work(lambda own: sides.forces(own).sum(axis=0), states)
     assert abs(total) > 1e-4 * size
 

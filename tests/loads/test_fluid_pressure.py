@@ -9,7 +9,7 @@ import seal_mdao as sm
 from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.fluid_pressure import FluidPressure
-from seal_mdao.loads.pressed_sides import INNER
+from seal_mdao.loads.pressed_sides import INNER, POINTS
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.file.edge_tables import FluidTable
 from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
@@ -228,6 +228,54 @@ def test_an_o_ring_passes_the_pressure_on():
     weight = result.response("fluid").outputs[:, 0]
     assert weight[0] == 1.0
     assert weight[-1] == 0.0
+
+
+BLOCK = """\
+[material.rubber]
+law = "neo_hookean"
+c10 = 500.0
+bulk_modulus = 20000.0
+[section]
+material = "rubber"
+spacing = 1.0
+outer = [
+  { edge = "bottom", line = [[-3, 0], [3, 0]] }, { edge = "right", line = [[3, 0], [3, 4]] },
+  { edge = "top", line = [[3, 4], [-3, 4]] }, { edge = "left", line = [[-3, 4], [-3, 0]] },
+]
+[fixed]
+edges = ["bottom"]
+[[profile]]
+name = "lid"
+contact = ["top"]
+friction = 0.1
+normal_penalty = 1e5
+tangent_penalty = 1e4
+line = [[-100.0, 4.0], [100.0, 4.0]]
+stage = [{ translate = [0.0, -0.4], steps = 4 }, { steps = 4 }]
+[[fluid]]
+edge = EDGE
+pressure = 100.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("edges", "sign"),
+    [('["top", "left"]\nfrom = "end"', 1.0), ('["right", "top"]\nfrom = "start"', -1.0)],
+)
+def test_a_fluid_acts_on_a_free_side_up_to_the_corner_in_contact(tmp_path, edges, sign):
+    """The force is p times the height of the deformed side, although its corner is dry."""
+    (tmp_path / "block.toml").write_text(BLOCK.replace("EDGE", edges))
+    result = sm.analyze(sm.build_seal(tmp_path / "block.toml"))
+    assert result.converged, result.failure
+    response = result.response("fluid")
+    # the first dry particle is the corner; points of sides lie between the particles
+    weight = response.outputs[:, 0]
+    corner = int(weight.argmin())
+    assert weight.tolist() == [1.0] * corner + [0.0] * (len(weight) - corner)
+    height = abs(response.x[POINTS * corner, 1] - response.x[0, 1])
+    assert 3.5 < height < 3.7
+    # forces are those in the residual, against the fluid; kPa mm = N/m
+    assert response.force[:, 0].sum() == pytest.approx(-sign * 100.0 * height, rel=1e-12)
 
 
 def test_messages_tell_of_the_fluid(pressed):

@@ -23,7 +23,8 @@ from seal_mdao.seals.file.load_steps import MOST_STEPS
 from seal_mdao.seals.file.schema import Table, key, rows, table
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.structure.environment import Environment
-from seal_mdao.terms.points import edge_points
+from seal_mdao.terms.averaged_points import sharp_corners
+from seal_mdao.terms.points import boundary_particles, edge_points
 from seal_mdao.terms.term import TermDefinition
 
 SELF_CONTACT = "self_contact"
@@ -180,9 +181,15 @@ class FluidTable(Table):
         # zero pressure up to the last steps, over which it grows
         grown = step_fractions(last if self.steps is None else self.steps)
         ramp = np.concatenate([np.zeros(section.n_steps + 1 - len(grown)), grown])
+        # the particles before and after every one; none at the ends
+        beside = np.column_stack([
+            np.append(particles[0], particles[:-1]), np.append(particles[1:], particles[-1])
+        ])  # fmt: skip
+        edges = boundary_particles(particles, beside).edges
         return FluidPressure(
-            self.name, particles, self.end, self.pressure, ramp, closing, self.share
-        )
+            self.name, particles, self.end, self.pressure, ramp, closing, self.share,
+            sharp_corners(edges, section.body.nominal),
+        )  # fmt: skip
 
 
 @table
