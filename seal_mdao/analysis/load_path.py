@@ -16,6 +16,10 @@ Every increment goes through the same list, each entry only where those before i
 
 A step that was halved is solved as one from where its parts led, under friction.
 
+Where profiles overlap the undeformed body at the start of the first load step, preliminary increments
+up to the parameter 0 come before it: these profiles move there from where they are clear
+(``Motion.retraction``), and nothing else changes. They are solved like load steps, but are not counted.
+
 Always from the undeformed state and with a fixed step sequence, so that the same inputs give the
 same bits whatever was computed before. Of two paths whose first steps are the same the second may
 resume from the state of the first (``PathState``), which gives the same bits, too.
@@ -133,12 +137,13 @@ class _Path:
         self.steps, self.points, self.cuts, self.bend = [], [], 0, None
         # the undeformed state
         history = problem.no_history()
-        start = problem.evaluate(np.zeros_like(problem.discretization.particles), 0.0, history)
+        undeformed = np.zeros_like(problem.discretization.particles)
+        start = problem.evaluate(undeformed, problem.begins_at, history)
         for term, response in zip(problem.terms, start.responses, strict=True):
             term.check_start(response)
         self.factor = start.factorize()
         self.start = self.last = ConvergedStep(
-            -1, 0.0, start.d, history, start.responses, 0, (0.0,),
+            -1, problem.begins_at, start.d, history, start.responses, 0, (0.0,),
             stable=self.factor.positive,
         )  # fmt: skip
 
@@ -163,7 +168,10 @@ class _Path:
         )
 
     def nominal_step(self, nominal: int) -> PathResult | None:
-        """Make the nominal step, halved where need be; return the failed path where it ends in it."""
+        """Make the nominal step, halved where need be; return the failed path where it ends in it.
+
+        Negative ones are the preliminary increments.
+        """
         begin, memory, n_points, pending = len(self.steps), self.memory, len(self.points), [1.0]
         while pending:
             part, last, point = pending.pop(), self.last, None
@@ -185,7 +193,7 @@ class _Path:
                 if not found.converged:
                     return self._failed(nominal, increment, failed, found.status)
                 pending = pending if target < nominal + 1.0 else []
-            self._add(-1 if pending else nominal, target, found, point)
+            self._add(-1 if pending else max(nominal, -1), target, found, point)
             self.bend = bend_of(self.last, last, euler[0])
         if len(self.steps) > begin + 1 and self.problem.history_dependent:
             self._as_one(begin, memory, n_points)
@@ -342,7 +350,7 @@ def solve_path(
     options = NewtonOptions() if options is None else options
     damped, halved = (getattr(callback, name, None) for name in ("damped", "halved"))
     path = _Path(problem, options, factor_memory * 2**30, damped, halved, near)
-    begin = 0 if resume is None else path.resume(resume)
+    begin = int(problem.begins_at) if resume is None else path.resume(resume)
     # report the steps that were taken as if they were solved now
     for step in path.steps if callback is not None else ():
         if step.nominal >= 0:
@@ -351,6 +359,8 @@ def solve_path(
         failed = path.nominal_step(nominal)
         if failed is not None:
             return failed
+        if nominal < 0:
+            continue
         if callback is not None:
             callback(path.last)
         if states is not None:

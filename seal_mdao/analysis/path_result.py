@@ -31,9 +31,11 @@ class ConvergedStep:
     Attributes
     ----------
     nominal : int
-        Number of the nominal step that this one completes, -1 for a cut step.
+        Number of the nominal step that this one completes, -1 for a cut step and preliminary
+        increments.
     fraction : float
-        Path parameter: number of nominal steps completed, fractions for cut steps.
+        Path parameter: number of nominal steps completed, fractions for cut steps; not above 0 in
+        preliminary increments.
     d : ndarray, shape (n, 2)
         Generalised displacements.
     before : tuple
@@ -122,6 +124,11 @@ class PathResult:
     @cached_property
     def nominal_steps(self) -> list:
         return [step for step in self.steps if step.nominal >= 0]
+
+    @cached_property
+    def preliminary(self) -> list:
+        """Converged steps of the preliminary increments, the last one where the load steps begin."""
+        return [step for step in self.steps if step.fraction <= 0.0]
 
     @property
     def newton_iterations(self) -> np.ndarray:

@@ -60,6 +60,11 @@ class PathProblem:
         """Whether a step depends on the previous one."""
         return any(term.history_dependent for term in self.terms)
 
+    @property
+    def begins_at(self) -> float:
+        """Path parameter of the undeformed state: 0, or minus the number of preliminary increments."""
+        return min(term.begins_at for term in self.terms)
+
     def no_history(self) -> tuple:
         """Return the history of the undeformed state, one entry a term."""
         return tuple(term.no_history() for term in self.terms)

@@ -143,8 +143,10 @@ def _potential(problem: PathProblem, step: ConvergedStep, fraction: float) -> fl
 
 def _driving(problem: PathProblem, step: ConvergedStep) -> float:
     """Differentiate the potential with respect to the path parameter at fixed displacements."""
-    # dPi/dlambda = [Pi(lambda + h) - Pi(lambda - k)] / (h + k), k = h unless the path begins there
-    after, before = step.fraction + NEARBY, max(step.fraction - NEARBY, 0.0)
+    # dPi/dlambda = [Pi(lambda + h) - Pi(lambda - k)] / (h + k), k = h unless the path, or the first
+    # load step after preliminary increments, begins there
+    begin = 0.0 if step.fraction >= 0.0 else problem.begins_at
+    after, before = step.fraction + NEARBY, max(step.fraction - NEARBY, begin)
     change = _potential(problem, step, after) - _potential(problem, step, before)
     return float(change) / (after - before)
 

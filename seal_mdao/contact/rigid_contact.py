@@ -178,6 +178,10 @@ class ContactTerm(PointTerm):
     def conservative(self) -> bool:
         return self.law.frictionless
 
+    @property
+    def begins_at(self) -> float:
+        return self.motion.begins_at
+
     def potential(self, d, response) -> float:
         return self.law.potential(response.gap, self.length)
 
@@ -337,7 +341,8 @@ class ContactTerm(PointTerm):
         if self.where.averages is not None:
             # means lie beside the curve by less than the slack; inside are those whose particles are
             slack = SLACK * self.length
-            own = self.gaps(self.where.points.at(self.discretization.particles), 0.0)
+            points = self.where.points.at(self.discretization.particles)
+            own = self.gaps(points, self.begins_at)
             slack = np.where(own < 0.0, 0.0, slack)
         if np.any(gap < -slack):
             raise GeometryError(

@@ -16,6 +16,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.export.abaqus_materials import element_type, material_lines
 from seal_mdao.export.abaqus_mesh import QuadraticMesh, quadratic_mesh
 from seal_mdao.export.abaqus_profiles import has_cubic, surface_lines
+from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.profiles import contacts, moved_edges, self_contacts
@@ -129,7 +130,7 @@ def _set(keyword: str, numbers) -> list[str]:
 def _mesh_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
     """Write nodes, elements by material, and the sets of nodes of all edges."""
     # reference nodes after those of the section; the pivot is the origin of their displacements
-    poses = [contact.motion.pose(0.0) for contact in contacts(seal)]
+    poses = [contact.motion.pose(BEFORE) for contact in contacts(seal)]
     points = [*mesh.points.tolist(), *(pose.position + pose.pivot for pose in poses)]
     lines = ["*NODE", *(f"{n}, {x:.12g}, {y:.12g}" for n, (x, y) in enumerate(points, 1))]
     for number, region in enumerate(seal.definitions[0].regions):
@@ -182,7 +183,7 @@ def _profile_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> li
     """Write every profile with its reference node, surface and contact."""
     lines, edges = [], {own.name: own.contact for own in file.profiles}
     for number, contact in enumerate(contacts(seal), len(mesh.points) + 1):
-        label, pose = contact.label, contact.motion.pose(0.0)
+        label, pose = contact.label, contact.motion.pose(BEFORE)
         reference, rigid = (name_of(word, label) for word in ("REFERENCE", "RIGID"))
         lines += _set(f"*NSET, NSET={reference}", [number - 1])
         lines += ["** outward normal on the left of the segments"]
@@ -277,7 +278,7 @@ def _step_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
         increment = 1.0 / (last - first)
         lines += [f"{increment:.12g}, 1., {LEAST_INCREMENT:g}, {increment:.12g}", "*BOUNDARY"]
         for label, motion in motions.items():
-            change = motion.coordinates(last) - motion.coordinates(0)
+            change = motion.coordinates(last) - motion.coordinates(BEFORE)
             rows = zip((1, 2, 6), change.tolist(), strict=True)
             lines += [f"{name_of('REFERENCE', label)}, {c}, {c}, {own:.12g}" for c, own in rows]
         for edges, components, motion in moved.values():

@@ -16,6 +16,8 @@ from seal_mdao.values import array, require
 
 ROUNDING = 1e-12
 """Relative difference up to which a travel counts as that of the complete path."""
+BEFORE = -np.inf
+"""Path parameter before all preliminary increments."""
 
 
 class Remembered(dict):
@@ -55,6 +57,9 @@ class Motion:
     clearance : ndarray, shape (2,)
         Clearance, from the first waypoint to where the first load step begins: it lengthens that step
         and does not count as travel.
+    retraction : ndarray, shape (n_preliminary, 2)
+        Displacements, from where the first load step begins, at the path parameters -1, -2, ...: the
+        preliminary increments, in which profiles alone move, begin there. None for no increments.
     fractions : ndarray, shape (n_steps,), or None
         Fraction of its stage completed at the end of every step, 1 at the last; None for equal steps.
     durations : ndarray, shape (n_stages,), or None
@@ -74,6 +79,7 @@ class Motion:
     rates: np.ndarray | None = None
     names: tuple[str, ...] = ()
     clearance: np.ndarray = (0.0, 0.0)
+    retraction: np.ndarray | None = None
     fractions: np.ndarray | None = None
     durations: np.ndarray | None = None
 
@@ -89,11 +95,13 @@ class Motion:
             f"{self.steps!r}",
         )
         rates = np.zeros((0, count + 1, 3)) if self.rates is None else self.rates
+        retraction = np.zeros((0, 2)) if self.retraction is None else self.retraction
         shapes = {
             "positions": (self.positions, (count + 1, 2)),
             "angles": (self.angles, (count + 1,)),
             "pivot": (self.pivot, (2,)),
             "clearance": (self.clearance, (2,)),
+            "retraction": (retraction, (len(retraction), 2)),
             "rates": (rates, (len(names), count + 1, 3)),
         }
         of = f"of a motion with {count} stage(s) and {len(names)} parameter(s)"
@@ -221,6 +229,11 @@ class Motion:
         """Nominal load steps of all stages."""
         return int(self.steps.sum())
 
+    @property
+    def begins_at(self) -> float:
+        """Path parameter at which it begins: 0, or minus the number of preliminary increments."""
+        return -float(len(self.retraction))
+
     @cached_property
     def ends(self) -> np.ndarray:
         """Ends of the steps, counted in stages, shape (n_steps,)."""
@@ -272,7 +285,14 @@ class Motion:
         return float(np.interp(since, np.arange(own.size), own))
 
     def coordinates(self, fraction: float) -> np.ndarray:
-        """Compute x, y and angle after ``fraction`` nominal steps, shape (3,)."""
+        """Compute x, y and angle after ``fraction`` nominal steps, shape (3,); negative ones are those
+        of the preliminary increments, before which the profile stands still."""
+        if fraction < 0.0:
+            # w = w_0 + r(-s), linear between r(0) = 0, r(1), r(2), ...
+            columns = np.vstack([np.zeros(2), self.retraction]).T
+            at = np.arange(len(self.retraction) + 1)
+            moved = [np.interp(-fraction, at, column) for column in columns]
+            return self._nominal[0] + [*moved, 0.0]
         first = self._step(fraction)
         within = fraction - first
         # w = w_k + (s - k) (w_(k+1) - w_k) in nominal step k
@@ -285,6 +305,8 @@ class Motion:
 
     def rates_at(self, fraction: float) -> np.ndarray:
         """Differentiate x, y and angle with respect to the parameters, shape (n_parameters, 3)."""
+        # the retraction is fixed
+        fraction = max(fraction, 0.0)
         stage = int(np.searchsorted(self._stage_ends, self._step(fraction), side="right"))
         phi = self._fraction_of_stage(stage, fraction)
         # w = (1 - phi) w_first + phi w_last with phi fixed: w' likewise

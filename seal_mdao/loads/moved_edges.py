@@ -39,8 +39,8 @@ class MovedEdges:
 
     def _not_begun(self, fraction: float) -> float:
         """Return the fraction of the first nominal step that is still to come."""
-        # 1 - s in the first nominal step, s from 0 to 1
-        return max(0.0, 1.0 - fraction)
+        # 1 - s in the first nominal step, s from 0 to 1; all of it in preliminary increments
+        return min(max(0.0, 1.0 - fraction), 1.0)
 
     def _since_start(self, fraction: float) -> np.ndarray:
         """Compute x, y, angle relative to the start, shape (3,)."""

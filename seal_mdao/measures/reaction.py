@@ -193,10 +193,12 @@ class Reaction(Measure):
         motion, forces = self.motion(result), self.forces(result)
         # counted from the first touch
         travels = motion.travels[: len(forces) + 1]
-        # F_k = e_k . R_k, zero at the start
-        units = [self.directions_at(motion, travel)[0][0] for travel in travels[1:]]
+        # F_k = e_k . R_k, zero at the start without preliminary increments
+        forces = [*(self.force_at(result, own) for own in result.path.preliminary[-1:]), *forces]
+        none = len(travels) - len(forces)
+        units = [self.directions_at(motion, travel)[0][0] for travel in travels[none:]]
         values = [self.scale * (e @ force) for e, force in zip(units, forces, strict=True)]
-        return travels - result.seal.before_touch, np.append(0.0, values)
+        return travels - result.seal.before_touch, np.append(np.zeros(none), values)
 
     def motion(self, result):
         """Return the motion of the profile, or of the first profile that travels if it does not."""
@@ -269,6 +271,7 @@ class Reaction(Measure):
         """Interpolate the values at a point of the path."""
         # F = (1 - w) F_k + w F_(k+1),  w = fraction - k,  dF/d(fraction) = F_(k+1) - F_k
         steps, fraction = result.path.nominal_steps, point.fraction
+        initial = result.path.preliminary[-1:]
         directions, turns = self.directions_at(motion, point.travel)
         directions, turns = self.scale * directions, self.scale * turns
         first, force, change = min(int(fraction), len(steps) - 1), np.zeros(2), np.zeros(2)
@@ -277,10 +280,10 @@ class Reaction(Measure):
             (first, 1.0 - (fraction - first), -1.0),
             (first + 1, fraction - first, 1.0),
         ):
-            if number == 0:  # no contact at the start: F_0 = 0
+            if number == 0 and not initial:  # no contact at the start: F_0 = 0
                 continue
             # weights 1 - w of F_k and w of F_(k+1)
-            step = steps[number - 1]
+            step = steps[number - 1] if number else initial[0]
             total = self.force_at(result, step)
             # F += weight F_k,  dF/d(fraction) += sign F_k
             force, change = force + weight * total, change + sign * total

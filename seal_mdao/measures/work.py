@@ -50,20 +50,17 @@ class ProfileWork(Measure):
         return self.stages is None
 
     def evaluate(self, result, partials):
-        term, steps = result.term(self.profile), result.path.nominal_steps
-        first, last = (0, len(steps)) if self.stages is None else self._ends(result)
-        at = np.arange(first, last + 1.0)
+        term, at, steps = result.term(self.profile), *self._steps(result)
         poses = np.array([term.motion.coordinates(n) for n in at])
         rates = np.array([term.motion.rates_at(n) for n in at])
         # W = -sum_n (F_n . dz_n + M_n dtheta_n),  dz_n = (z_(n+1) - z_(n-1)) / 2,
         # half of one increment at either end
         travels, travel_rates = _travels(poses), _travels(rates)
         value, by_motion = 0.0, np.zeros(rates.shape[1])
-        for number, completed in enumerate(range(first, last + 1)):
+        for number, step in enumerate(steps):
             # no force at the start of the path
-            if completed == 0:
+            if step is None:
                 continue
-            step = steps[completed - 1]
             travel, angle = travels[number, :2], travels[number, 2]
             response = result.response(self.profile, step)
             arm = response.x - poses[number, :2] - term.motion.pivot
@@ -84,6 +81,17 @@ class ProfileWork(Measure):
         for name, slope in zip(term.motion.names, by_motion, strict=True):
             partials.parameter(name)[0] += slope
         return value
+
+    def _steps(self, result) -> tuple[list, list]:
+        """List the path parameters of the sum, and the converged step at each; None at the start."""
+        path = result.path
+        nominal, before = path.nominal_steps, path.preliminary
+        first, last = (0, len(nominal)) if self.stages is None else self._ends(result)
+        steps = [None, *nominal][first : last + 1]
+        if first:
+            return [*range(first, last + 1)], steps
+        at = [path.start.fraction, *(own.fraction for own in before), *range(1, last + 1)]
+        return at, [None, *before, *steps[1:]]
 
     def _ends(self, result) -> tuple[int, int]:
         """Numbers of nominal steps up to the ends of both stages, as far as the path goes."""

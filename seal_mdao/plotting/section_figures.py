@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from shapely import box, polygons, union_all
 
+from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import cell_loops, fine_grid
 from seal_mdao.plotting.style import (
@@ -93,7 +94,7 @@ def section_cloud(result: SealResult, estimates: dict | None = None) -> Figure:
     if moved.any():
         marker = {"color": "black", "markerfacecolor": "white", "markersize": 3.5}
         axes.plot(*particles[moved].T, "s", **marker, zorder=5, label="moved")
-    section.draw_surroundings(axes, result, 0.0)
+    section.draw_surroundings(axes, result, BEFORE)
     _name_profiles(axes, result, low, high)
     _name_materials(axes, result)
     section.frame(axes, low, high, seal)

@@ -12,6 +12,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
 from seal_mdao.plotting import section_drawing as section
@@ -130,7 +131,7 @@ class Pictures:
         return {
             "frame": self._frame(fine, -1),
             "boundary": packed(fine.undeformed()[np.concatenate(fine.loops)] / self._length),
-            "begin": _poses(fine.result, 0.0),
+            "begin": _poses(fine.result, BEFORE),
             "profiles": _profile_shapes(fine.result),
             "completed": fine.result.converged,
         }

@@ -294,17 +294,24 @@ class Seal:
         clearances : dict of str to ndarray, shape (2,)
             Start relative to the first waypoint, by the label of the profile, mm.
         """
+        return self._started("clearance", clearances)
+
+    def with_retractions(self, retractions: dict) -> "Seal":
+        """Return the same seal with profiles that move to where the first load step begins in
+        preliminary increments (``Motion.retraction``, shape (n, 2), by the label of the profile)."""
+        return self._started("retraction", retractions)
+
+    def _started(self, what: str, changes: dict) -> "Seal":
+        """Set the clearance or the retraction of motions, by the labels of profiles."""
         other = replace(self, definitions=tuple(
-            replace(own, motion=replace(own.motion, clearance=clearances[own.label]))
-            if own.label in clearances else own
+            replace(own, motion=replace(own.motion, **{what: changes[own.label]}))
+            if own.label in changes else own
             for own in self.definitions
         ))  # fmt: skip
-        # profiles moved back before keep their clearance
-        clearances = {
-            label: np.asarray(clearance, float).tolist() for label, clearance in clearances.items()
-        }
-        known = self.description.get("clearances", {})
-        return other._made_as(self, clearances=known | clearances)
+        # profiles moved back before stay so
+        changes = {label: np.asarray(own, float).tolist() for label, own in changes.items()}
+        known = self.description.get(f"{what}s", {})
+        return other._made_as(self, **{f"{what}s": known | changes})
 
     def with_placements(self) -> "Seal":
         """Return the seal with placement parameters of every profile and of moved edges: ``<label>_x``,

@@ -38,6 +38,8 @@ def seal_of(text: str) -> Seal:
             seal = seal.with_placements()
         if "clearances" in settings:
             seal = seal.with_clearances(settings["clearances"])
+        if "retractions" in settings:
+            seal = seal.with_retractions(settings["retractions"])
         return seal.with_parameters(settings.get("parameters", {}))
     except (TypeError, AttributeError) as error:
         raise ValueError(f"the recorded settings do not describe a seal: {error}") from error

@@ -8,7 +8,9 @@ from seal_mdao.geometry.motion import step_fractions
 
 
 def at_fraction(values: np.ndarray, fraction: float) -> np.ndarray:
-    """Interpolate values (n_steps + 1, ...) given after every nominal step at a path parameter."""
+    """Interpolate values (n_steps + 1, ...) given after every nominal step at a path parameter; the
+    first one in preliminary increments."""
+    fraction = max(fraction, 0.0)
     first = min(int(fraction), len(values) - 2)
     # v = v_k + (s - k)(v_(k+1) - v_k),  k <= s <= k + 1
     within = fraction - first

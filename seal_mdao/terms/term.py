@@ -136,6 +136,9 @@ class Term:
         Whether the force at one of its points depends on where others are.
     touches_itself : bool
         Whether it has a ``linear_contact``: walls of the body that may face each other.
+    begins_at : float
+        Path parameter of the undeformed state, negative with preliminary increments
+        (``Motion.retraction``).
     """
 
     label = ""
@@ -146,6 +149,7 @@ class Term:
     conservative = False
     couples_points = True
     touches_itself = False
+    begins_at = 0.0
 
     # ---- analysis ----
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seal_mdao.geometry.motion import Motion, Stage, staged_motion, straight_motion
+from seal_mdao.geometry.motion import BEFORE, Motion, Stage, staged_motion, straight_motion
 from seal_mdao.geometry.pose import Pose, in_frame, quarter_turn, rigid_velocity, turned
 
 
@@ -116,6 +116,7 @@ GOOD = {"positions": np.zeros((3, 2)), "angles": np.zeros(3), "steps": [2, 3]}
         ({"fractions": (0.5, 1.0, 0.5, 0.9, 0.99)}, "must increase to 1"),
         ({"fractions": (0.5, 1.0, 0.5, 0.5, 1.0)}, "must increase to 1"),
         ({"clearance": (1.0,)}, r"clearance .* must have shape \(2,\)"),
+        ({"retraction": [(1.0,)]}, r"retraction .* must have shape \(1, 2\)"),
         (
             {"clearance": (0.1, -0.1), "positions": [[0.0, 0.0], [0.0, -2.0], [0.0, 0.0]]},
             "must point against the first displacement of the motion",
@@ -131,9 +132,8 @@ def test_what_does_not_fit_is_refused(changes, message):
 
 
 def test_places_outside_the_motion_are_refused():
-    for fraction in (-0.1, 5.1):
-        with pytest.raises(ValueError, match="end of the motion, which has 5 steps"):
-            Motion(**GOOD).pose(fraction)
+    with pytest.raises(ValueError, match="end of the motion, which has 5 steps"):
+        Motion(**GOOD).pose(5.1)
     with pytest.raises(ValueError, match="at least one stage"):
         staged_motion([])
 
@@ -204,6 +204,28 @@ def test_room_is_before_the_first_step_whatever_the_steps():
         np.testing.assert_allclose(other.coordinates(0.5), middle, atol=1e-15)
     ends = motion.with_ends([0.5, 4.0, 9.0, 11.0])
     np.testing.assert_array_equal(ends.coordinates(1.0), closing().coordinates(0.5))
+
+
+def test_preliminary_increments_end_where_the_first_step_begins():
+    """Load steps, travels and rates are those of the motion without them."""
+    own = replace(closing(), clearance=(0.1, 0.5))
+    motion = replace(own, retraction=[(0.0, 0.25), (0.1, 0.5)])
+    begin = own.coordinates(0.0)
+    assert (own.begins_at, motion.begins_at, motion.n_steps) == (0.0, -2.0, own.n_steps)
+    for fraction, moved in ((-0.5, (0.0, 0.125)), (-1.0, (0.0, 0.25)), (-1.5, (0.05, 0.375))):
+        expected = begin + np.array([*moved, 0.0])
+        np.testing.assert_allclose(motion.coordinates(fraction), expected, atol=1e-15)
+    for fraction in (-2.0, -3.5, BEFORE):  # others have more of them
+        farthest = begin + np.array([0.1, 0.5, 0.0])
+        np.testing.assert_array_equal(motion.coordinates(fraction), farthest)
+        np.testing.assert_array_equal(motion.rates_at(fraction), own.rates_at(0.0))
+        np.testing.assert_array_equal(own.coordinates(fraction), begin)
+    for fraction in (0.0, 0.3, 4.5):
+        np.testing.assert_array_equal(motion.coordinates(fraction), own.coordinates(fraction))
+    np.testing.assert_array_equal(motion.travels, own.travels)
+    assert motion.at_travel(0.1)[0] == own.at_travel(0.1)[0]
+    ends = [0.5, 3.9, 4.0, 9.0, 11.0]
+    np.testing.assert_array_equal(motion.with_ends(ends).retraction, motion.retraction)
 
 
 def test_parameters_of_lengths_and_angles_have_units():

@@ -46,6 +46,7 @@ def same(one, other):
     for own, again in zip(one.terms(), other.terms(), strict=True):
         if hasattr(own, "motion"):
             np.testing.assert_array_equal(own.motion.clearance, again.motion.clearance)
+            np.testing.assert_array_equal(own.motion.retraction, again.motion.retraction)
             assert own.motion.names == again.motion.names
 
 
@@ -54,6 +55,9 @@ def same(one, other):
     lambda seal: seal.with_parameters({"door_friction": 0.125, "c10": 90.0}),
     lambda seal: seal.with_placements().with_parameters({"door_x": 0.5}),
     lambda seal: seal.with_placements().with_clearances({"door": (0.0, 0.25)}),
+    lambda seal: seal.with_clearances({"door": (0.0, 0.25)}).with_retractions(
+        {"door": [(0.0, 0.25), (0.0, 0.5)]}
+    ),
 ])  # fmt: skip
 def test_seal_of_a_file_and_what_is_made_of_it(change):
     seal = change(sm.build_seal(PAPER))
@@ -123,6 +127,7 @@ def packed(content):
     ({"chosen": {"callback": "print"}}, "the recorded seal file is not valid in this version"),
     ({"parameters": {"nothing": 1.0}}, "the seal has no parameter"),
     ({"clearances": 3}, "settings do not describe a seal"),
+    ({"retractions": 3}, "settings do not describe a seal"),
 ])  # fmt: skip
 def test_settings_that_are_none(wrong, words):
     settings = json.loads(sm.build_seal(PAPER).settings()) | wrong

@@ -117,14 +117,195 @@ def test_where_profiles_back_off_to(made, travel, way):
     if way is None:
         assert found is own
         return
-    clearance = found.definitions[1].motion.clearance
-    assert np.abs(clearance / np.hypot(*clearance) - way / np.hypot(*way)).max() < 1e-3
-    assert 0.2 < clearance[1] < 0.3
-    pose = found.definitions[1].motion.pose(0.0)
-    assert pose.position[1] > 5.0
-    later = [own.definitions[1].motion.pose(k).position for k in (1, 2, 3)]
-    again = [found.definitions[1].motion.pose(k).position for k in (1, 2, 3)]
+    moved = found.definitions[1].motion
+    farthest = moved.retraction[-1]
+    assert np.abs(farthest / np.hypot(*farthest) - way / np.hypot(*way)).max() < 1e-3
+    assert 0.2 < farthest[1] < 0.3
+    assert moved.pose(moved.begins_at).position[1] > 5.0
+    later = [own.definitions[1].motion.pose(k).position for k in (0, 1, 2, 3)]
+    again = [moved.pose(k).position for k in (0, 1, 2, 3)]
     assert np.array_equal(later, again)
+
+
+OBLIQUE = "{ translate = [0.6, -1.0], steps = 10 }"
+MORE = """[[measure]]
+type = "reaction"
+name = "early"
+profile = "plate"
+component = "x"
+travel = 0.05
+[[measure]]
+type = "profile_work"
+profile = "plate"
+[[design]]
+edges = ["top"]
+parameters = 3
+bound = 1.0
+"""
+WALL = """[[profile]]
+name = "wall"
+normal_penalty = 1e4
+tangent_penalty = 1e2
+friction = 0.2
+contact = ["right"]
+line = [[4.0, 20.0], [4.0, -20.0]]
+start = [0.01, 0.0]
+stage = [{ steps = 10 }]
+"""
+RISING = """[[moved]]
+name = "foot"
+edges = ["base"]
+stage = [{ translate = [0.0, 0.1], steps = 10 }]
+"""
+RELAXING = "viscoelastic = { g = [0.3], tau = [1.0] }\n"
+
+
+def positions(seal, values) -> dict:
+    """Numbers of positions by which profiles back off, by label."""
+    own = seal.with_parameters(values)
+    terms = with_clear_starts(own, own.particles()).definitions
+    found = {term.label: len(term.motion.retraction) for term in terms if hasattr(term, "motion")}
+    return {label: count for label, count in found.items() if count}
+
+
+def borders(seal, label, name, low, high, others) -> tuple:
+    """Values of a parameter beside each other, between which a profile needs one more position."""
+
+    def count(value):
+        return positions(seal, {**others, name: value}).get(label, 0)
+
+    fewer = count(high)
+    assert count(low) == fewer + 1
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if count(middle) > fewer else (middle, high)
+    return low, high
+
+
+def values_of(seal, parameters):
+    result = sm.analyze(seal, parameters=parameters)
+    assert result.converged
+    assert len(result.path.nominal_steps) == len(result.travel) == seal.n_steps
+    measured = [result.value(measure) for measure in seal.measures()]
+    return np.concatenate([result.reaction.ravel(), *measured])
+
+
+CROSSINGS = {
+    "first touch": ("plate", "plate_y", -0.05, 0.0, {}),
+    "second": ("plate", "plate_y", -0.09, -0.02, {}),
+    "sixth": ("plate", "plate_y", -0.30, -0.24, {}),
+    "plate before a wall": ("plate", "plate_y", -0.09, -0.02, {"wall_x": -0.15}),
+    "wall": ("wall", "wall_x", -0.05, 0.0, {"plate_y": -0.1}),
+    "wall, third": ("wall", "wall_x", -0.15, -0.09, {"plate_y": -0.02}),
+}
+
+
+@pytest.mark.parametrize("name", CROSSINGS)
+def test_results_are_continuous_where_a_profile_has_to_back_off_farther(tmp_path, name):
+    """Under friction, with one and with two profiles that overlap, in all load steps."""
+    label, parameter, low, high, others = CROSSINGS[name]
+    given = BLOCK % OBLIQUE + MORE
+    if "wall_x" in (parameter, *others):
+        given += WALL
+    (tmp_path / "seal.toml").write_text(given)
+    seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
+    below, above = borders(seal, label, parameter, low, high, others)
+    one, other = (values_of(seal, {**others, parameter: own}) for own in (below, above))
+    assert np.abs(one).max() > 10.0
+    # 1e-9 mm apart: the stiffness is below 1e5 N/m/mm
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("model", ["", RELAXING])
+def test_preliminary_increments_without_contact_leave_the_bits(tmp_path, model):
+    """Also of rubber that relaxes and of edges that move."""
+    given = (BLOCK % OBLIQUE + MORE).replace('[fixed]\nedges = ["base"]\n', RISING)
+    if model:
+        given = given.replace("[section]", f"{model}[section]")
+        given = given.replace(OBLIQUE, OBLIQUE.replace(" }", ", duration = 2.0 }"))
+    (tmp_path / "seal.toml").write_text(given)
+    seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
+    seal = seal.with_parameters({"foot_x": 0.1})
+    farther = seal.with_retractions({"plate": [(-0.1, 0.2), (-0.2, 0.4)]})
+    one, other = sm.analyze(seal), sm.analyze(farther)
+    assert len(other.path.preliminary) == 2
+    for own, again in zip(one.path.nominal_steps, other.path.nominal_steps, strict=True):
+        assert np.array_equal(own.d, again.d)
+    for measure in seal.measures():
+        assert np.array_equal(one.value(measure), other.value(measure))
+
+
+def test_preliminary_increments_are_no_load_steps(tmp_path):
+    (tmp_path / "seal.toml").write_text(BLOCK % OBLIQUE + MORE + WALL)
+    seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
+    placed = {"plate_y": -0.2, "wall_x": -0.1}
+    assert positions(seal, placed) == {"plate": 4, "wall": 2}
+    reported = []
+    result = sm.analyze(seal, parameters=placed, callback=reported.append)
+    assert [step.nominal for step in reported] == list(range(10))
+    assert [step.fraction for step in result.path.preliminary] == [-3.0, -2.0, -1.0, 0.0]
+    assert (result.path.start.fraction, result.step_cuts) == (-4.0, 0)
+    assert len(result.newton_iterations) == len(result.reaction) == len(result.travel) == 10
+    # work along all increments; the force at a travel within the first load step
+    term, steps = result.term("plate"), result.path.steps
+    poses = [term.motion.coordinates(own.fraction)[:2] for own in (result.path.start, *steps)]
+    forces = [np.zeros(2), *(own.total for own in result.path.responses("plate"))]
+    pairs = zip(forces[:-1], forces[1:], np.diff(poses, axis=0), strict=True)
+    work = sum(-0.5 * (one + other) @ travel for one, other, travel in pairs)
+    assert result.profile_work == pytest.approx(work, rel=1e-12)
+    share = 0.05 / result.travel[0]
+    early = (1.0 - share) * forces[4] + share * forces[5]
+    assert result.early == pytest.approx(early[0], rel=1e-12)
+    # the wall waits for the plate
+    wall = result.path.responses("wall")
+    assert [bool(own.branch.any()) for own in wall[:4]] == [False, False, True, True]
+    # a clearance that was chosen lengthens the first load step as before
+    own = seal.with_clearances({"plate": (-0.3, 0.5)})
+    assert sm.analyze(own, parameters={"plate_y": -0.2}).path.preliminary == []
+
+
+def test_derivatives_with_preliminary_increments(tmp_path):
+    """Those of the path with them, of measures in the first load step and of the work, too."""
+    (tmp_path / "seal.toml").write_text(BLOCK % OBLIQUE + MORE)
+    seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
+    grown, placed = np.array([0.21, 0.22, 0.24]), {"plate_y": -0.02, "plate_x": 0.03}
+    result = sm.analyze(seal, grown, parameters=placed, keep_factors=True)
+    assert len(result.path.preliminary) > 3
+    direct, adjoint = (
+        sm.differentiate(result, ("plate_x", "plate_y"), method=method)
+        for method in ("direct", "adjoint")
+    )
+    h = 1e-6
+    for measure in seal.measures():
+        own = np.atleast_2d(direct[measure.name])
+        slopes = []
+        for column in range(len(grown) + 2):
+            ends = []
+            for sign in (1.0, -1.0):
+                x = np.array([*grown, placed["plate_x"], placed["plate_y"]])
+                x[column] += sign * h
+                moved = sm.analyze(seal, x[:3], parameters={"plate_x": x[3], "plate_y": x[4]})
+                ends.append(moved.value(measure))
+            slopes.append((ends[0] - ends[1]) / (2.0 * h))
+        size = np.abs(own).max()
+        assert np.abs(own - np.atleast_2d(adjoint[measure.name])).max() < 1e-11 * size
+        assert np.abs(own - np.transpose(slopes)).max() < 1e-6 * size
+
+
+def test_a_parameter_that_turns_the_travel_does_not_turn_the_preliminary_increments(made):
+    seal = made()
+    body, contact = seal.definitions[:2]
+    stage = Stage(10, (0.6, -1.0), rates={"slide": (1.0, 0.0, 0.0)})
+    law = ContactLaw(1e4, 1e2, 0.2, True)
+    motion = staged_motion([stage], start=(0.0, 4.8))
+    inside = RigidContact("plate", contact.where, contact.shape, motion, law)
+    own = replace(seal, definitions=(body, inside), n_steps=10)
+    result = sm.analyze(own, parameters={"slide": 0.1}, keep_factors=True)
+    assert len(result.path.preliminary) > 3
+    slope = sm.differentiate(result, ("slide",), method="adjoint")["reaction"][..., -1]
+    h = 1e-6
+    up, down = (sm.analyze(own, parameters={"slide": 0.1 + step}).reaction[-1] for step in (h, -h))
+    assert np.ravel(slope) == pytest.approx((up[1] - down[1]) / (2.0 * h), rel=1e-6)
 
 
 def test_the_door_of_the_door_seal_backs_off():
@@ -167,9 +348,8 @@ def test_a_design_that_grows_into_a_profile_begins_farther_back(tmp_path):
     grown = np.full(seal.n_offsets, 0.1)
     result = sm.analyze(seal, grown, keep_factors=True)
     assert result.converged
-    clearance = result.seal.definitions[1].motion.clearance
-    assert clearance[1] >= 0.08
-    assert seal.definitions[1].motion.clearance == pytest.approx((0.0, 0.0))
+    assert result.seal.definitions[1].motion.retraction[-1, 1] >= 0.08
+    assert seal.definitions[1].motion.retraction.shape == (0, 2)
     # the same force as with a lid that begins farther away and ends at the same place
     higher = smooth.replace("4.02]", "4.22]").replace("-0.5], steps = 3", "-0.7], steps = 4")
     other = sm.analyze(seal_of(tmp_path, FIXED, higher, TOP), grown)
@@ -191,7 +371,7 @@ def test_a_profile_placed_inside_begins_farther_back(tmp_path):
     seal, lowest = seal_of(tmp_path, FIXED, LID, TOP), -0.3
     higher = LID.replace("4.02]", "4.22]").replace("-0.5], steps = 3", "-1.0], steps = 6")
     result = sm.analyze(seal.with_placements(), parameters={"lid_y": lowest})
-    assert result.seal.definitions[1].motion.clearance[1] >= 0.28
+    assert result.seal.definitions[1].motion.retraction[-1, 1] >= 0.28
     far = sm.analyze(seal_of(tmp_path, FIXED, higher, TOP))
     assert result.reaction[-1, 1] == pytest.approx(far.reaction[-1, 1], rel=0.01)
     # the group gives the seal the parameter that it lacks; a cached result has the other start
@@ -205,7 +385,7 @@ def test_a_profile_placed_inside_begins_farther_back(tmp_path):
     assert alone.model.options["seal_settings"] == [settings]
     again = cache.analyze(seal.with_placements(), parameters={"lid_y": lowest})
     assert cache.made == 1 + seal.standard[0].selects_points
-    assert again.seal.definitions[1].motion.clearance[1] >= 0.28
+    assert again.seal.definitions[1].motion.retraction[-1, 1] >= 0.28
     shifted = sm.Scenarios((sm.Variation("lid_y", "shift"),), np.array([[0.0], [lowest]]))
     many = om.Problem(sm.ScenarioGroup(seal=seal, scenarios=shifted, workers=0), reports=None)
     many.setup()
