@@ -118,7 +118,7 @@ class ProfileTable(Staged, SegmentTable):
     pivot: Place = key("centre of rotation, in the coordinates of its curve", (0.0, 0.0))
     interference: number("mm", least=0.0, most=1e4) = key(
         "largest depth by which it may lie inside the section at the start, such as a shaft in a lip; "
-        "the motion then begins farther back, and the first load step ends where it does anyway",
+        "preliminary increments bring it to its start from where it does not overlap the section",
         0.0,
     )
     normal_penalty: Penalty | None = key(
