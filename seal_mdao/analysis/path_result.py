@@ -176,6 +176,11 @@ class PathResult:
             total += step.responses[self.index_of(label)].total
         return total + self.support_force(mask, step) if mask.any() else total
 
+    def initial_force(self, label: str) -> np.ndarray:
+        """Compute the force as of ``force`` where the load steps begin, shape (2,), N/m: zero without
+        preliminary increments."""
+        return self.force(label, self.preliminary[-1]) if self.preliminary else np.zeros(2)
+
     def support_force(self, mask: np.ndarray, step: ConvergedStep) -> np.ndarray:
         """Compute the force on the supports at prescribed components, a mask (n, 2), shape (2,), N/m."""
         return np.where(mask, self.problem.support_forces(step), 0.0).sum(axis=0)

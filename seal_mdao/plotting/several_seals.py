@@ -122,8 +122,9 @@ def force_against_travel(result: SealResult) -> tuple[np.ndarray, np.ndarray, np
     start = np.array(part.motion.coordinates(0.0))[:2]
     points = np.vstack([start, history.place[:, :2]])
     travel = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    # F_k . e_k with e_k opposite to the travel in step k, F_0 = 0
-    force = np.append(0.0, np.sum(history.force * against, axis=1))
+    # F_k . e_k with e_k opposite to the travel in step k, of F_0 in the first
+    initial = np.sum(history.initial_force * against[:1])
+    force = np.append(initial, np.sum(history.force * against, axis=1))
     # F_k . e_(k+1) is the second value at the end of a step after which the direction changes
     turns = 1 + np.flatnonzero(np.abs(np.diff(against, axis=0)).max(axis=1, initial=0.0) > PARALLEL)
     jumped = np.sum(history.force[turns - 1] * against[turns], axis=1)

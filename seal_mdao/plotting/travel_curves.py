@@ -59,8 +59,7 @@ def load_deflection(result: SealResult) -> Figure:
         _draw_air(panels[n_forces:], cavities)
         panels = panels[:n_forces]
     for history, segment, axes, last in panels:
-        # F = 0 at the start of the path
-        travel, force = _with_start(segment, history.force)
+        travel, force = _with_start(segment, history.force, history.initial_force)
         axes.axhline(0.0, color="black", linewidth=0.8)
         names = result.seal.units.directions
         for component, color, style in COMPONENTS:
@@ -116,10 +115,10 @@ def add_length_axis(axes, units, location: str | float = "right") -> None:
 
 def _draw_air(panels, cavities) -> None:
     """Plot the excess pressure of the air of every cavity over the load-unload segments of a profile."""
-    for _, segment, axes, last in panels:
+    for history, segment, axes, last in panels:
         axes.axhline(0.0, color="black", linewidth=0.8)
         for color, (label, pressure) in zip(cycle(CYCLE), cavities.items(), strict=False):
-            travel, own = _with_start(segment, pressure)
+            travel, own = _with_start(segment, pressure, _unknown(history))
             axes.plot(travel, own, color=color, label=label)
             axes.annotate(
                 signed(own[-1]), (travel[-1], own[-1]), xytext=(6, 0), textcoords="offset points",
@@ -168,9 +167,12 @@ def contact_width(result: SealResult) -> Figure:
         right = axes.twinx()
         right.spines["right"].set_visible(last)
         right.grid(False)
-        lines = _true_and_nominal(axes, segment, history.width, history.nominal_width, BLUE, "-")
+        start = _unknown(history)
+        lines = _true_and_nominal(
+            axes, segment, history.width, history.nominal_width, start, BLUE, "-"
+        )
         lines += _true_and_nominal(
-            right, segment, history.peak, history.nominal_peak, VERMILION, "--"
+            right, segment, history.peak, history.nominal_peak, start, VERMILION, "--"
         )
         if last:
             right.set_ylabel("peak pressure (kPa)", color=VERMILION)
@@ -181,11 +183,11 @@ def contact_width(result: SealResult) -> Figure:
     return figure
 
 
-def _true_and_nominal(axes, segment, true, nominal, color, style) -> list:
+def _true_and_nominal(axes, segment, true, nominal, start, color, style) -> list:
     """Plot the true values of a segment and, as a thin dotted line, the nominal ones."""
-    lines = axes.plot(*_with_start(segment, true), color=color, linestyle=style, zorder=3)
+    lines = axes.plot(*_with_start(segment, true, start), color=color, linestyle=style, zorder=3)
     thin = {"linewidth": 0.8, "alpha": 0.7, "zorder": 2}
-    lines += axes.plot(*_with_start(segment, nominal), color=color, linestyle=":", **thin)
+    lines += axes.plot(*_with_start(segment, nominal, start), color=color, linestyle=":", **thin)
     # the axis starts at zero
     axes.set_ylim(0.0, 1.05 * max(true.max(), nominal.max(), 1e-3))
     return lines
@@ -241,10 +243,16 @@ def _label(axes, history, segment) -> None:
     axes.set_xlim(low - margin * (low < segment.begin), high + margin)
 
 
-def _with_start(segment, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _unknown(history) -> float:
+    """Return the start of values that are zero without contact: not known, and not drawn, with contact
+    at the start."""
+    return np.nan if history.initial_force.any() else 0.0
+
+
+def _with_start(segment, values: np.ndarray, start) -> tuple[np.ndarray, np.ndarray]:
     """Return travel (k + 1,) and values (k + 1, ...) of a load-unload segment with its initial state,
-    from the values (n, ...) at every nominal step, which are zero before the first."""
+    from the values (n, ...) at every nominal step and those at the ``start`` of the first."""
     # before[k]: values at the beginning of step k; the segment begins at the end of the step before it
-    before = np.concatenate([np.zeros_like(values[:1]), values])
+    before = np.concatenate([np.broadcast_to(start, values[:1].shape), values])
     begun = slice(segment.steps.start, segment.steps.stop + 1)
     return np.append(segment.begin, segment.along), before[begun]

@@ -73,6 +73,8 @@ class ProfileHistory:
         x, y (mm), angle (degrees) of the profile itself.
     force : ndarray, shape (n, 2)
         Of the seal on the profile, N/m.
+    initial_force : ndarray, shape (2,)
+        That where the load steps begin; zero without preliminary increments.
     width, nominal_width : ndarray, shape (n,)
         Deformed and undeformed length in contact, mm.
     peak, nominal_peak : ndarray, shape (n,)
@@ -86,6 +88,7 @@ class ProfileHistory:
     turn: np.ndarray
     place: np.ndarray
     force: np.ndarray
+    initial_force: np.ndarray
     width: np.ndarray
     nominal_width: np.ndarray
     peak: np.ndarray
@@ -181,6 +184,7 @@ def _history(result, contact) -> ProfileHistory:
     return ProfileHistory(
         contact.label, stage, np.hypot(moved[:, 0], moved[:, 1]), moved[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
+        result.path.initial_force(contact.label),
         *at_steps.reshape(-1, 4).T, load_segments(motion, len(number), result.seal.before_touch),
     )  # fmt: skip
 

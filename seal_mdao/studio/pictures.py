@@ -193,7 +193,7 @@ def curves(result: SealResult) -> list[dict]:
         words, along, _ = _abscissa(result.seal, motion, done)
         found.append({
             "name": label, "words": words, "along": plain(along), "force": plain(force),
-            "component": 0 if across > up else 1,
+            "component": 0 if across > up else 1, "initial": plain(result.path.initial_force(label)),
         })  # fmt: skip
     return found
 

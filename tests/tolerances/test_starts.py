@@ -9,14 +9,17 @@ import pytest
 from seal_file.block_files import FIXED, LID, seal_of
 
 import seal_mdao as sm
+from seal_mdao import plotting
 from seal_mdao.contact.friction import ContactLaw
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.equilibrium.eigenmodes import nearest_mode
 from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.plotting.several_seals import force_against_travel
 from seal_mdao.scenarios.task import SealTask
 from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.door.door_seal import with_options
 from seal_mdao.seals.seal import Seal
+from seal_mdao.studio import pictures
 
 BLOCK = """
 [material.rubber]
@@ -262,6 +265,29 @@ def test_preliminary_increments_are_no_load_steps(tmp_path):
     # a clearance that was chosen lengthens the first load step as before
     own = seal.with_clearances({"plate": (-0.3, 0.5)})
     assert sm.analyze(own, parameters={"plate_y": -0.2}).path.preliminary == []
+
+
+def test_curves_begin_with_the_force_after_the_preliminary_increments(made):
+    """Contact widths and pressures, which are not known there, begin at the end of the first step."""
+    result = sm.analyze(made(), parameters={"plate_y": -0.35})
+    initial = result.path.initial_force("plate")
+    assert 0.0 < initial[1] < result.path.reaction("plate")[0, 1]
+    axes = plotting.load_deflection(result).axes[0]
+    begun = {
+        line.get_label(): line.get_ydata()[0] for line in axes.lines if len(line.get_xdata()) > 3
+    }
+    assert begun["vertical"] == initial[1]
+    assert begun["horizontal"] == initial[0]
+    travel, force, _, _ = force_against_travel(result)
+    assert (travel[0], force[0]) == (0.0, pytest.approx(initial[1], rel=1e-12))
+    assert pictures.curves(result)[0]["initial"] == initial.tolist()
+    width = plotting.contact_width(result).axes[0].lines[0].get_ydata()
+    assert np.isnan(width[0])
+    assert (width[1:] > 0.0).all()
+    # nothing is in contact where the plate begins clear of the body
+    clear = sm.analyze(made())
+    assert not clear.path.initial_force("plate").any()
+    assert plotting.contact_width(clear).axes[0].lines[0].get_ydata()[0] == 0.0
 
 
 def test_derivatives_with_preliminary_increments(tmp_path):

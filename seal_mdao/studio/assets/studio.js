@@ -130,7 +130,7 @@ function drawCharts(now) {
   const curves = [], add = (list, series) => list.push(series);
   now.curves.forEach((own, i) => {
     const name = now.curves.length > 1 ? own.name : "this design";
-    add(curves, { name, x: [0, ...own.along], values: [0, ...component(own.force, own.component)], color: color(i), dash: now.exactly ? "" : "5 3" });
+    add(curves, { name, x: [0, ...own.along], values: [own.initial[own.component], ...component(own.force, own.component)], color: color(i), dash: now.exactly ? "" : "5 3" });
     // estimated numerical error of the force at the end of the path, at the section of the file
     const error = state.errors && state.errors[`force_on_${own.name}`], end = own.force.length / 2 - 1;
     if (error && end >= 0) {
@@ -141,12 +141,12 @@ function drawCharts(now) {
     const band = state.scatter && state.scatter[i];
     if (band) [["+", 2], ["−", -2]].forEach(([sign, k]) => add(curves, {
       name: `${name}, ${sign} 2 standard deviations of the tolerances`, x: [0, ...own.along],
-      values: [0, ...component(own.force, own.component).map((f, at) => f + k * band[at][own.component])], color: color(i), dash: "1 3",
+      values: [own.initial[own.component], ...component(own.force, own.component).map((f, at) => f + k * band[at][own.component])], color: color(i), dash: "1 3",
     }));
   });
   const pressures = now.pressure.map((own, i) => ({ name: now.pressure.length > 1 ? own.name : "this design", x: own.arc, values: [...own.values], color: color(i), dash: now.exactly ? "" : "5 3", dots: 2 }));
   kept.forEach(({ name, curves: those, pressure }, i) => {
-    those.slice(0, 1).forEach((own) => curves.push({ name, x: [0, ...own.along], values: [0, ...own.force.map((f) => f[own.component])], color: color(i + 2), dash: "2 3" }));
+    those.slice(0, 1).forEach((own) => curves.push({ name, x: [0, ...own.along], values: [own.initial[own.component], ...own.force.map((f) => f[own.component])], color: color(i + 2), dash: "2 3" }));
     pressure.slice(0, 1).forEach((own) => pressures.push({ name, x: own.arc, values: own.values, color: color(i + 2), dash: "2 3" }));
   });
   const words = now.curves.length ? now.curves[0].words : "";
