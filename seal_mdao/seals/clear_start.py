@@ -4,7 +4,7 @@ import numpy as np
 
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
-from seal_mdao.geometry.motion import BEFORE, Motion
+from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.geometry.pose import Pose
 from seal_mdao.seals.seal import Seal
 
@@ -15,7 +15,9 @@ one path."""
 MOST = 600
 """Largest number of these multiples, more than twice the section's size."""
 PRESSING = 0.1
-"""Least normal fraction of a travel for a profile to back off along that travel."""
+"""Least normal fraction of a travel for a profile to back off along that travel, or to lead away."""
+STEP = 5e-6
+"""Step of the difference quotients of gaps, over the section's size."""
 
 
 def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
@@ -43,18 +45,15 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     retractions = {}
     for nominal, definition in zip(seal.definitions, seal.terms(), strict=True):
         if isinstance(definition, RigidContact):
-            retraction = _retraction(definition, nominal.motion, particles)
+            retraction = _retraction(definition, particles, nominal, seal.nominal_particles)
             if retraction is not None:
                 retractions[definition.label] = retraction
     return seal.with_retractions(retractions) if retractions else seal
 
 
-def _retraction(contact: RigidContact, nominal: Motion, particles) -> np.ndarray | None:
-    """Find where the preliminary increments of a contact have to begin, from the start of its first load
-    step, (n, 2) mm, the last one first; None where it is clear as it is, or cannot be.
-
-    The direction is that of the ``nominal`` motion, so that it does not depend on parameters.
-    """
+def _gaps(contact: RigidContact, particles):
+    """Return the gaps of the contact points where the first load step begins, as a function of a shift
+    of the profile (2,), mm."""
     motion, x = contact.motion, np.ascontiguousarray(contact.where.moving.at(particles))
     curve, (px, py, angle) = contact.shape.profile().curve, motion.coordinates(0.0)
 
@@ -63,26 +62,38 @@ def _retraction(contact: RigidContact, nominal: Motion, particles) -> np.ndarray
         normal_gaps(curve, Pose.of((px + shift[0], py + shift[1]), angle, motion.pivot), x, found)
         return found
 
-    if gaps(motion.coordinates(BEFORE)[:2] - (px, py)).min() >= 0.0:
+    return gaps
+
+
+def _retraction(contact: RigidContact, particles, nominal, nominal_particles) -> np.ndarray | None:
+    """Find where the preliminary increments of a contact have to begin, from the start of its first load
+    step, (n, 2) mm, the last one first; None where it is clear as it is, or cannot be.
+
+    The direction is that of the ``nominal`` contact, so that it does not depend on the design.
+    """
+    motion, gaps = contact.motion, _gaps(contact, particles)
+    if gaps(motion.coordinates(BEFORE)[:2] - motion.coordinates(0.0)[:2]).min() >= 0.0:
         return None
     # the same for neighbouring designs, whose sizes differ
     part = 2.0 ** round(np.log2(PART * np.hypot(*np.ptp(particles, axis=0))))
-    back = _way_back(nominal.positions[1] - nominal.positions[0], gaps, part)
+    way = _way_back(nominal, nominal_particles)
     for count in range(1, MOST + 1):
-        if gaps(count * part * back).min() > 0.0:
-            return np.arange(1, count + 1)[:, None] * part * back
+        if gaps(count * part * way).min() > 0.0:
+            return np.arange(1, count + 1)[:, None] * part * way
     return None
 
 
-def _way_back(travel: np.ndarray, gaps, part: float) -> np.ndarray:
-    """Unit vector against the travel of the first stage where that presses, else along the normal at
-    the deepest point; zero where the first stage leads away from the body."""
-    deepest = int(gaps((0.0, 0.0)).argmin())
+def _way_back(contact: RigidContact, particles) -> np.ndarray:
+    """Compute the unit vector against the travel of the first stage where that presses, else along the
+    normal at the nearest point; zero where the first stage leads away from the body."""
+    gaps, (first, second) = _gaps(contact, particles), contact.motion.positions[:2]
+    nearest = int(gaps((0.0, 0.0)).argmin())
     # n = grad g by central differences
-    steps = 1e-3 * part * np.eye(2)
-    slope = np.array([gaps(step)[deepest] - gaps(-step)[deepest] for step in steps])
-    normal, length = slope / (np.hypot(*slope) or 1.0), float(np.hypot(*travel))
+    steps = STEP * float(np.hypot(*np.ptp(particles, axis=0))) * np.eye(2)
+    slope = np.array([gaps(step)[nearest] - gaps(-step)[nearest] for step in steps])
+    normal, travel = slope / (np.hypot(*slope) or 1.0), second - first
+    length = float(np.hypot(*travel))
     pressing = -normal @ travel
     if pressing >= PRESSING * length > 0.0:
         return -travel / length
-    return normal if pressing >= 0.0 else np.zeros(2)
+    return np.zeros(2) if pressing < -PRESSING * length else normal

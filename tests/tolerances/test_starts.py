@@ -105,6 +105,7 @@ def test_derivatives_of_a_sample_that_backs_off(made):
         ((0.3, -1.0), (-0.3, 1.0)),
         ((0.0, 0.0), (0.0, 1.0)),  # stands still, turns, slides: along the normal
         ((2.0, 0.0), (0.0, 1.0)),
+        ((2.0, 0.1), (0.0, 1.0)),  # slides, and leads away a little
         ((0.0, 1.0), None),  # leads away from the body
     ],
 )
@@ -290,13 +291,35 @@ def test_curves_begin_with_the_force_after_the_preliminary_increments(made):
     assert plotting.contact_width(clear).axes[0].lines[0].get_ydata()[0] == 0.0
 
 
-def test_derivatives_with_preliminary_increments(tmp_path):
-    """Those of the path with them, of measures in the first load step and of the work, too."""
-    (tmp_path / "seal.toml").write_text(BLOCK % OBLIQUE + MORE)
+ROLLER = """[[profile]]
+name = "plate"
+normal_penalty = 1e4
+tangent_penalty = 1e2
+friction = 0.2
+contact = ["top"]
+circle = { centre = [0.0, 0.0], radius = 1.5 }
+start = [0.9, 6.46]
+[[moved]]
+name = "foot"
+edges = ["base"]
+stage = [{ translate = [0.1, 0.4], steps = 4 }]
+"""
+
+
+@pytest.mark.parametrize("still", [False, True])
+def test_derivatives_with_preliminary_increments(tmp_path, still):
+    """Those of the path with them, of measures in the first load step and of the work, too; also of a
+    roller that stands still and backs off along its normal."""
+    text = BLOCK % OBLIQUE + MORE
+    if still:
+        plate = text[text.index("[[profile]]") : text.index("[[measure]]")]
+        text = text.replace(plate, ROLLER).replace('[fixed]\nedges = ["base"]\n', "")
+        text = text.replace("travel = 0.05\n", "")
+    (tmp_path / "seal.toml").write_text(text)
     seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
     grown, placed = np.array([0.21, 0.22, 0.24]), {"plate_y": -0.02, "plate_x": 0.03}
     result = sm.analyze(seal, grown, parameters=placed, keep_factors=True)
-    assert len(result.path.preliminary) > 3
+    assert len(result.path.preliminary) > 2
     direct, adjoint = (
         sm.differentiate(result, ("plate_x", "plate_y"), method=method)
         for method in ("direct", "adjoint")
