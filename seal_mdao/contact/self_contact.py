@@ -98,8 +98,15 @@ class SelfContact(TermDefinition):
     @property
     def where(self) -> MaterialPoints:
         """Points: the particles of all loops with half the length of the sides at each."""
-        neighbours = [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
-        return boundary_particles(np.concatenate(self.loops), np.concatenate(neighbours))
+        particles = np.concatenate(self.loops)
+        neighbours = np.concatenate(
+            [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
+        )
+        # a side that leads to a particle that may not touch is not in contact
+        may = np.zeros(particles.max() + 1, bool)
+        may[particles] = self.touching
+        neighbours = np.where(may[neighbours], neighbours, particles[:, None])
+        return boundary_particles(particles, neighbours)
 
     @property
     def scalars(self) -> dict:

@@ -242,6 +242,15 @@ def test_derivatives_of_the_ring_against_central_differences(friction):
         assert found[0][place] == pytest.approx(quotient, rel=1e-6)
 
 
+def test_the_points_share_the_length_of_the_edges_that_may_touch():
+    """Of a square of eight sides only the upper edge, of two sides, may touch: the tributary lengths at
+    its corners contain nothing of the vertical sides."""
+    x = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1]], float)
+    law = ContactLaw(1e3, 1e3, 0.0, True)
+    contact = SelfContact("self", (np.arange(8),), np.isin(np.arange(8), [4, 5, 6]), x, law)
+    assert contact.where.measures(x)[[4, 5, 6]].tolist() == [0.5, 1.0, 0.5]
+
+
 def test_a_section_that_overlaps_itself_is_refused():
     """The inside of the ring turned over: each wall is where the other one was."""
     body = ring_body(32)
