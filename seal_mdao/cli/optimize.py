@@ -237,6 +237,12 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
     try:
         # read the written file: the check a user would make
         design = sm.read_seal_file(paths[0])
+        lost = len(file.designs) - len(design.designs)
+        if lost:
+            said += (
+                f" ({paths[0].name} lacks {lost} of {len(file.designs)} [[design]]; its first lines "
+                "give the reason)"
+            )
         # discretisation error of the optimum: same outline, new particles
         result = on_new_cloud(design, file)
     except (sm.GeometryError, sm.SealFileError) as error:

@@ -298,6 +298,65 @@ def test_a_design_as_a_file_is_the_design_and_has_its_parameters(designed, tmp_p
     np.testing.assert_allclose(again.design_velocity[5][:n], seal.design_velocity[5][:n], atol=1e-8)
 
 
+SYMMETRIC_WALL = """[[design]]
+edges = ["crown"]
+opposite = "hole"
+parameters = 6
+mirror = "x = 0"
+bound = 0.2
+[tolerance.boundary]
+std = 0.02
+length = 2.0
+"""
+"""Particles of the circle are not mirror images of each other, nor is a spline through them."""
+DEFORMED_CIRCLE = """[[design]]
+vertex = [5.0, 5.0]
+mirror = "x = 0"
+bound = 0.2
+[[design]]
+arc = [0.0, 8.0]
+bound = 0.1
+[[design]]
+edges = ["hole"]
+parameters = 5
+bound = 0.2
+"""
+
+
+@pytest.mark.parametrize(
+    ("designs", "left", "reason"),
+    [
+        (
+            SYMMETRIC_WALL,
+            (),
+            "[[design]] 1 of seal.toml is left out, .* no edge is the mirror image",
+        ),
+        (DEFORMED_CIRCLE, (2, 5), "[[design]] 2 of seal.toml is left out, .* is not an arc"),
+    ],
+)
+def test_a_design_as_a_file_has_no_design_that_its_section_does_not_permit(
+    tmp_path, designs, left, reason
+):
+    file = sm.read_seal_file(written(tmp_path, designs))
+    seal = sm.build_seal(file)
+    offsets = np.random.default_rng(2).uniform(-0.1, 0.1, seal.n_offsets)
+    path = write_design(file, seal, offsets, frozen_measures(seal), tmp_path, "best")[0]
+    again = sm.build_seal(sm.read_seal_file(path))
+    assert again.design_sizes == left
+    expected, found = sm.analyze(seal, offsets), sm.analyze(again)
+    np.testing.assert_allclose(found.reaction, expected.reaction, rtol=1e-9)
+    lines = [own.removeprefix("# ") for own in path.read_text().splitlines() if own.startswith("#")]
+    assert re.search(reason.replace("[", r"\["), " ".join(lines))
+
+
+def test_optimize_reports_designs_that_the_optimum_lacks(tmp_path, capsys):
+    problem = MIRRORED[MIRRORED.index("[optimize]") :]
+    path, out = written(tmp_path, DEFORMED_CIRCLE + problem), tmp_path / "out"
+    main(["optimize", str(path), "--max-iterations", "2", "--out", str(out)])
+    text = "(optimum.toml lacks 1 of 3 [[design]]; its first lines give the reason)"
+    assert text in capsys.readouterr().out
+
+
 def test_a_symmetric_seal_has_a_symmetric_optimum(tmp_path):
     # a hole of two halves has particles that are mirror images of each other
     whole = next(line for line in SEAL.splitlines(True) if line.startswith("hole"))

@@ -2,6 +2,7 @@
 
 import os
 import re
+import textwrap
 import tomllib
 from importlib import import_module
 from itertools import islice
@@ -13,15 +14,21 @@ import shapely
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
 from seal_mdao.seals.file.clearance import TYPED, nearest_at_start
+from seal_mdao.seals.file.design_table import DesignTable
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.measure_table import places_of
 from seal_mdao.seals.outline.cloud_file import write_cloud
+from seal_mdao.seals.outline.design import possible_designs
 from seal_mdao.seals.outline.dxf import write_dxf
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
+from seal_mdao.seals.outline.sampling import located
 
 HEAD = """# A design of {name} with the particles of its analysis; to generate new particles, replace
 # cloud by spacing.
 """
+LEFT_OUT = (
+    "[[design]] {number} of {name} is left out, because this design does not permit it: {reason}"
+)
 DRAWN = (
     "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "accuracy", "layers",
     "edge_spacing", "quadrature", "rays", "cloud",
@@ -114,6 +121,7 @@ def write_design(
         if "data" in own:
             own["data"] = _from(folder, file.path.parent / own["data"])
     _move_designs(given.get("design", []), seal, offsets)
+    refused = _without_impossible_designs(given, file, seal, outline, offsets)
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
     given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
@@ -125,7 +133,8 @@ def write_design(
         inside = -1.01 * nearest_at_start(profile, outline).gap
         if inside > TYPED * outline.size:
             own["interference"] = max(profile.interference, float(f"{inside:.3g}"))
-    text = HEAD.format(name=file.path.name) + on_lines(writer.dumps(given))
+    head = HEAD.format(name=file.path.name) + "".join(refused)
+    text = head + on_lines(writer.dumps(given))
     paths[0].write_text(text, encoding="utf-8")
     return paths
 
@@ -190,6 +199,35 @@ def _move_designs(designs, seal, offsets) -> None:
             on_particle = point in given
             place = moved[nearest] if on_particle else point + moved[nearest] - nominal[nearest]
             point[:] = place.tolist()
+
+
+def _without_impossible_designs(given, file, seal, outline, offsets) -> list[str]:
+    """Remove the designs that the section of a design does not have any more, such as the radius of an
+    arc that another design has deformed; return a comment about each of them."""
+    particles, rows = seal.particles(offsets), given.get("design", [])
+    moved = [DesignTable(**row).made() for row in rows]
+    boundaries = [
+        located(contour, particles[loop])[0]
+        for contour, loop in zip(outline.contours, seal.loops, strict=True)
+    ]
+    left, refused = possible_designs(boundaries, moved, file.supports)
+    if not refused:
+        return []
+    given["design"] = [rows[index] for index in left]
+    if not left:
+        # errors of the boundary are those of the edges of designs
+        del given["design"]
+        tolerance = given.get("tolerance", {})
+        tolerance.pop("boundary", None)
+        if not tolerance.get("vary"):
+            given.pop("tolerance", None)
+    return [
+        textwrap.fill(
+            LEFT_OUT.format(number=index + 1, name=file.path.name, reason=reason), LINE,
+            initial_indent="# ", subsequent_indent="# ",
+        ) + "\n"
+        for index, reason in sorted(refused.items())
+    ]  # fmt: skip
 
 
 def _with_places(rows, file, seal, offsets, measures) -> list:

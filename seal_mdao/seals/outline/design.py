@@ -15,11 +15,34 @@ STILL = 1e-9
 """Largest velocity of what stays."""
 
 
+class ImpossibleDesignError(ValueError):
+    """A design that cannot be applied to a section.
+
+    Attributes
+    ----------
+    number : int
+        Its number, from 1, with which the message begins.
+    """
+
+    def __init__(self, number: int, reason: Exception):
+        super().__init__(f"[[design]] {number}: {reason}")
+        self.number, self.reason = number, str(reason)
+
+
 def checked_names(names, known) -> None:
     """Raise ValueError for a name that no edge has."""
     for name in names:
         if name not in known:
             raise ValueError(f"the section has no edge {name!r}; its edges are {', '.join(known)}")
+
+
+@contextmanager
+def _numbered_in_errors(number: int):
+    """Make a ValueError of the design with a number an ``ImpossibleDesignError``."""
+    try:
+        yield
+    except ValueError as error:
+        raise ImpossibleDesignError(number, error) from error
 
 
 @contextmanager
@@ -48,15 +71,14 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
 
     Raises
     ------
-    ValueError
+    ImpossibleDesignError
         For names that no edge has, too few parameters, points that are not on the boundary, designs that
-        would move a fixed edge, or another one out of its plane. The message has the number of the
-        design, from 1.
+        would move a fixed edge, or another one out of its plane.
     """
     sampled = SampledBoundary(boundaries, supports)
     moving = set()
     for number, design in enumerate(designs, 1):
-        with named_in_errors(f"[[design]] {number}"):
+        with _numbered_in_errors(number):
             if isinstance(design, OffsetDesign):
                 opposite = () if design.opposite is None else (design.opposite,)
                 checked_names((*design.edges, *opposite), sampled.stretches)
@@ -69,7 +91,7 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
     sampled.hold(moving)
     columns = [np.zeros((0, len(sampled.points), 2))]
     for number, design in enumerate(designs, 1):
-        with named_in_errors(f"[[design]] {number}"):
+        with _numbered_in_errors(number):
             columns.append(design.columns(sampled))
             if not isinstance(design, OffsetDesign):
                 _require_supported(sampled, columns[-1], supports, design.remedy)
@@ -77,6 +99,31 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
     for name, component in sampled.planes.items():
         _slide(velocity, sampled.indices(name), sampled.path(name).along, component)
     return velocity, tuple(len(own) for own in columns[1:])
+
+
+def possible_designs(boundaries, designs, supports) -> tuple[list[int], dict[int, str]]:
+    """Find the designs that ``boundary_velocity`` can apply to a section together.
+
+    Parameters
+    ----------
+    boundaries, designs, supports
+        As of ``boundary_velocity``.
+
+    Returns
+    -------
+    list of int
+        Indices of these designs, from 0.
+    dict of int to str
+        Why each of the others cannot be applied, by its index.
+    """
+    left, refused = list(range(len(designs))), {}
+    while True:
+        try:
+            boundary_velocity(boundaries, [designs[i] for i in left], supports)
+        except ImpossibleDesignError as error:
+            refused[left.pop(error.number - 1)] = error.reason
+        else:
+            return left, refused
 
 
 def _require_free(name, supports) -> None:
