@@ -42,7 +42,8 @@ class RkpmContactComp(RandomDirectionsComp):
     that continues records no values of another design. A completed analysis whose result is not
     trustworthy issues an ``UntrustworthyResultWarning``, once for every fault.
     ``check_partials`` takes central differences along random directions of the particles and of every
-    parameter. Complex step is refused.
+    parameter. Complex step is refused. Particles on the axis of a body of revolution stay there: their
+    radii are zero whatever the input says, with zero partials.
     """
 
     def initialize(self):
@@ -54,6 +55,7 @@ class RkpmContactComp(RandomDirectionsComp):
         cache = self.options["cache"]
         self._failed = self._result = None
         self._reported = set()
+        self._on_axis = (seal.nominal_particles[:, 0] == 0.0) & seal.body.axisymmetric
         # a cache without memory still holds the newest analysis, with its factors
         self._cache = AnalysisCache(memory=0.0) if cache is None else cache
         analysis = analyze if cache is None else cache.analyze
@@ -114,6 +116,9 @@ class RkpmContactComp(RandomDirectionsComp):
         )
         for name, by_measure in gradient.items():
             for measure, rows in by_measure.items():
+                if name == "particles":
+                    # dm/dX_1 = 0 on the axis
+                    rows[:, self._on_axis, 0] = 0.0
                 # rows (m, n, 2) of the particles are flat (m, 2 n) in OpenMDAO
                 partials[measure, name] = rows.reshape(len(rows), -1)
 
@@ -137,10 +142,14 @@ class RkpmContactComp(RandomDirectionsComp):
         with admissible_design():
             seal = self.options["seal"].with_parameters(values)
             _check_finite(inputs["particles"])
+        particles = inputs["particles"]
+        if self._on_axis.any():
+            particles = particles.copy()
+            particles[self._on_axis, 0] = 0.0
         with analysis_errors():
             result = self._cache.analyze_particles(
                 seal,
-                inputs["particles"],
+                particles,
                 factor_memory=self.options["factor_memory"],
                 callback=self.options["callback"],
             )

@@ -4,7 +4,8 @@ import numpy as np
 import openmdao.api as om
 import pytest
 from openmdao.utils.assert_utils import assert_check_partials
-from seal_file.block_files import FIXED, LID, seal_of
+from ring_files import ring
+from seal_file.block_files import FIXED, LID, exact_seal, seal_of
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
@@ -32,6 +33,22 @@ def test_check_partials_with_its_defaults_is_quick_and_right(short):
         assert cache.made - before <= 4 * (seed + 1)
         assert_check_partials(data, rtol=1e-4)
         assert set(data) == {"seal.geometry", "seal.section", "seal.contact"}
+
+
+def test_check_partials_of_a_section_on_the_axis_of_revolution(tmp_path):
+    """Particles on the axis stay there: a direction across it would give infinite hoop stretches."""
+    text = ring(inner=0.0, translate=(0.0, -0.5))
+    design = text + '[[design]]\nedges = ["side"]\nparameters = 3\nbound = 0.1\n'
+    measures = '[[measure]]\ntype = "reaction"\n[[measure]]\ntype = "stress_norm"\n'
+    seal = exact_seal(tmp_path, design + measures)
+    problem = made(sm.SealGroup(seal=seal))
+    problem.set_val("boundary_offsets", [0.03, -0.02, 0.05])
+    problem.run_model()
+    np.random.seed(1)
+    assert_check_partials(problem.check_partials(out_stream=None), rtol=1e-4)
+    totals = problem.compute_totals(["stress_norm"], ["boundary_offsets"], return_format="array")
+    exact = sm.differentiate(sm.analyze(seal, [0.03, -0.02, 0.05]), ())["stress_norm"]
+    np.testing.assert_allclose(totals, exact, rtol=1e-9)
 
 
 def shape_model(seal):
