@@ -128,9 +128,10 @@ def _check_designs(file) -> None:
                 check_edges(where, what, names, file.section.outline)
         for name in design.moving:
             if name in file.supports:
+                given = "opposite names" if name == design.opposite else "the list edges contains"
                 raise SealFileError(
-                    f"{where}: the list edges contains {name!r}, which {holder(file, name)} "
-                    "already constrains; remove this edge from one of the two tables"
+                    f"{where}: {given} {name!r}, which {holder(file, name)} already constrains; "
+                    "remove this edge from one of the two tables"
                 )
             if name in seen:
                 raise SealFileError(

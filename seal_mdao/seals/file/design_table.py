@@ -98,6 +98,15 @@ class DesignTable(Table):
             raise ValueError(
                 f"the key 'parameters' is missing; it must be {self.allowed('parameters')}"
             )
+        if self.opposite is not None and self.opposite in self.edges:
+            raise ValueError(
+                f"opposite = {self.opposite!r} is also in the list edges; opposite must be the edge on "
+                "the other side of the wall"
+            )
+        if self.directions is not None and len(set(self.directions)) < len(self.directions):
+            raise ValueError(
+                f"directions contains {self.directions[0]!r} twice; remove one of the two"
+            )
         if self.between is not None and len(self.edges) > 1:
             raise ValueError(
                 "the key between cannot be combined with several edges; write a separate "

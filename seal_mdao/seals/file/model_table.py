@@ -150,7 +150,9 @@ def _check_edges_on_axis(file) -> None:
     """Refuse contact, fluids, designs and motions of edges on the axis."""
     on_axis = set(axis_edges(file.section.outline))
     named = [(f"[[profile]] {i}: contact", own.contact) for i, own in enumerate(file.profiles, 1)]
-    named += [(f"[[design]] {i}: edges", own.moving) for i, own in enumerate(file.designs, 1)]
+    for i, own in enumerate(file.designs, 1):
+        named.append((f"[[design]] {i}: edges", own.edges or ()))
+        named.append((f"[[design]] {i}: opposite", () if own.opposite is None else (own.opposite,)))
     named += [(f"[[moved]] {i}: edges", own.edges) for i, own in enumerate(file.moved, 1)]
     named += [(f"[[fluid]] {i}: edge", own.edges) for i, own in enumerate(file.fluids, 1)]
     if file.self_contact is not None:

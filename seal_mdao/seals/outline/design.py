@@ -8,11 +8,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import splu
 
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights, tangents
-from seal_mdao.seals.outline.offset_fields import OffsetDesign
+from seal_mdao.seals.outline.offset_fields import STILL, OffsetDesign
 from seal_mdao.seals.outline.sampled_boundary import SampledBoundary
-
-STILL = 1e-9
-"""Largest velocity of what stays."""
 
 
 class ImpossibleDesignError(ValueError):

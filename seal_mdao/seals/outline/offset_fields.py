@@ -11,6 +11,8 @@ from seal_mdao.seals.outline.boundary_path import SAME, BoundaryPath, MirrorPlan
 from seal_mdao.seals.outline.segments import pair
 
 DEGREE = 3
+STILL = 1e-9
+"""Largest velocity of what stays."""
 WITHIN = 2
 """B-splines that are left out at an end within an edge: value and slope are zero there."""
 
@@ -67,7 +69,20 @@ class OffsetDesign:
         if self.opposite is not None:
             across = self._images(sampled, self.opposite)
             blocks = [own | _across(sampled, own, done, across) for own in blocks]
-        return np.concatenate([_along_normals(sampled, own) for own in blocks])
+        columns = np.concatenate([_along_normals(sampled, own) for own in blocks])
+        self._require_effect(columns)
+        return columns
+
+    def _require_effect(self, columns) -> None:
+        """Refuse B-splines between neighbouring particles, which move none of them."""
+        without = int((np.abs(columns).max(axis=(1, 2)) <= STILL).sum())
+        if without:
+            edges = f"edge{'s' if len(self.edges) > 1 else ''} {', '.join(map(repr, self.edges))}"
+            raise ValueError(
+                f"{without} of the {len(columns)} design parameters of the {edges} move no particle, "
+                "because they act between neighbouring particles only; use fewer parameters, a longer "
+                "part (between), or more particles along the edge"
+            )
 
     def _images(self, sampled, name: str) -> list:
         """List an edge and its mirror image, once if it is its own."""
@@ -187,7 +202,8 @@ def _basis(part: _Part, path: BoundaryPath, count: int, along=None) -> np.ndarra
     inside = (s >= -SAME) & (s <= size + SAME)
     values = np.zeros((s.size, count + before + after))
     at = np.clip(s[inside], 0.0, size)
-    values[inside] = scipy.interpolate.BSpline.design_matrix(at, knots, DEGREE).toarray()
+    if at.size:
+        values[inside] = scipy.interpolate.BSpline.design_matrix(at, knots, DEGREE).toarray()
     return values[:, int(before) : values.shape[1] - int(after)]
 
 
