@@ -89,8 +89,8 @@ class Scenarios:
         numbers = values.numbers("numbers of scenarios", self.numbers)
         if numbers.ndim != 2 or numbers.shape[1] != len(names) or not len(numbers):
             raise ValueError(
-                f"the parameter values of scenarios (numbers) must have shape (S, {len(names)}), "
-                f"got {numbers.shape}"
+                f"the parameter values of scenarios (numbers) must have shape (S, {len(names)}) with "
+                f"at least one scenario (S), got {numbers.shape}"
             )
         object.__setattr__(self, "numbers", numbers)
         if self.offsets is not None:
