@@ -260,6 +260,52 @@ def test_the_radius_of_a_bonded_circle_has_no_remedy_but_another_edge(tmp_path):
         unchosen_seal(sm.read_seal_file(path))
 
 
+WHOLE = next(line for line in SEAL.splitlines(True) if line.startswith("hole"))
+
+
+def of_two_halves(folder, design):
+    """The hole's particles, and their velocities by the only parameter of a design, (k, 2) each."""
+    path = written(folder, design)
+    path.write_text(path.read_text().replace(WHOLE, HALVES))
+    seal = unchosen_seal(sm.read_seal_file(path))
+    assert seal.n_offsets == 1
+    hole = seal.loops[1]
+    return seal.nominal_particles[hole], seal.design_velocity[0, hole]
+
+
+def test_the_radius_of_half_a_circle_moves_the_other_half_at_both_ends(tmp_path):
+    points, velocity = of_two_halves(tmp_path, "[[design]]\narc = [-3.0, 5.0]\nbound = 0.2\n")
+    own = points[:, 0] < 1e-9
+    np.testing.assert_allclose(velocity[own], (points[own] - (0.0, 5.0)) / 3.0, atol=1e-9)
+    # along the chords of the other half from (0, -1) at its lower end to (0, 1) at its upper end
+    order = np.argsort(points[~own, 1])
+    rest = points[~own][order]
+    ends = np.vstack([[0.0, 2.0], rest, [0.0, 8.0]])
+    along = np.cumsum(np.hypot(*np.diff(ends, axis=0).T))
+    expected = 2.0 * along[:-1] / along[-1] - 1.0
+    np.testing.assert_allclose(velocity[~own][order, 0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(velocity[~own][order, 1], expected, atol=1e-9)
+
+
+def test_halves_of_a_circle_that_are_mirror_images_stay_a_circle(tmp_path):
+    design = '[[design]]\narc = [-3.0, 5.0]\nmirror = "x = 0"\nbound = 0.2\n'
+    points, velocity = of_two_halves(tmp_path, design)
+    np.testing.assert_allclose(velocity, (points - (0.0, 5.0)) / 3.0, atol=1e-9)
+
+
+def test_arcs_that_meet_their_mirror_image_at_an_angle_are_refused(tmp_path):
+    path = written(tmp_path, '[[design]]\narc = [3.5, 8.2]\nmirror = "x = 0"\nbound = 0.2\n')
+    crown = next(line for line in SEAL.splitlines(True) if '"crown"' in line)
+    pointed = """{ edge = "crown", arc = { start = [5, 5], through = [3.5, 8.2], end = [0, 10] } },
+{ edge = "crown", arc = { start = [0, 10], through = [-3.5, 8.2], end = [-5, 5] } },
+"""
+    path.write_text(path.read_text().replace(crown, pointed))
+    with pytest.raises(
+        sm.SealFileError, match=r"1: the arc at \(3.5, 8.2\) and its mirror image meet"
+    ):
+        unchosen_seal(sm.read_seal_file(path))
+
+
 def test_the_derivative_of_the_area_is_exact(designed):
     """The area is quadratic in the offsets: central differences have no truncation error."""
     _, seal, offsets, _ = designed
@@ -359,9 +405,8 @@ def test_optimize_reports_designs_that_the_optimum_lacks(tmp_path, capsys):
 
 def test_a_symmetric_seal_has_a_symmetric_optimum(tmp_path):
     # a hole of two halves has particles that are mirror images of each other
-    whole = next(line for line in SEAL.splitlines(True) if line.startswith("hole"))
     path, out = written(tmp_path, MIRRORED), tmp_path / "out"
-    path.write_text(path.read_text().replace(whole, HALVES), encoding="utf-8")
+    path.write_text(path.read_text().replace(WHOLE, HALVES), encoding="utf-8")
     main(["optimize", str(path), "--max-iterations", "4", "--out", str(out), "--quiet"])
     outline = sm.read_seal_file(out / "optimum.toml").section.outline
     moved = {s.edge: s for contour in outline.contours for s in contour.segments}

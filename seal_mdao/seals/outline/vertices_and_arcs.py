@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from seal_mdao.seals.outline.boundary_path import SAME, MirrorPlane
+from seal_mdao.seals.outline.offset_fields import STILL
 from seal_mdao.seals.outline.segments import pair
 
 AT_VERTEX = 5e-3
@@ -134,35 +135,48 @@ class RadiusDesign:
 
     def columns(self, sampled) -> np.ndarray:
         """Compute the velocity of the boundary points for every parameter, shape (P, K, 2)."""
-        loop, number = sampled.segment_at(self.at)
-        column = _larger_radius(sampled, loop, number, self.at)
+        arcs = {sampled.segment_at(self.at): self.at}
         if self.mirror is not None:
             image = self.mirror.image(self.at)
-            other = sampled.segment_at(image)
-            if other != (loop, number):
-                column = column + _larger_radius(sampled, *other, image)
+            arcs.setdefault(sampled.segment_at(image), image)
+        column, own = np.zeros((len(sampled.points), 2)), {}
+        for (loop, number), at in arcs.items():
+            pieces = sampled.pieces(loop)
+            before, after = (number - 1) % len(pieces), (number + 1) % len(pieces)
+            velocity = own[loop, number] = _larger_radius(sampled, loop, number, at)
+            # the segments beside it follow its ends, a single one both of them
+            for beside, end in ((before, 0), (after, -1)):
+                if (loop, beside) not in arcs:
+                    order = pieces[beside] if end == 0 else pieces[beside][::-1]
+                    moved = _fractions(sampled, loop, order) * velocity[end]
+                    column[sampled.starts[loop] + order] += moved
+        moved_by_arc = set()
+        for (loop, number), velocity in own.items():
+            points = sampled.starts[loop] + sampled.pieces(loop)[number]
+            shared = [i for i, point in enumerate(points) if point in moved_by_arc]
+            if np.abs(column[points[shared]] - velocity[shared]).max(initial=0.0) > STILL:
+                raise ValueError(
+                    f"the arc at {pair(self.at)} and its mirror image meet, but have different "
+                    "centres, so their radii cannot grow together; leave out mirror, or move their "
+                    "edges along the normals (edges, parameters)"
+                )
+            column[points] = velocity
+            moved_by_arc |= set(points)
         return column[None]
 
 
 def _larger_radius(sampled, loop: int, number: int, at) -> np.ndarray:
-    """Compute the velocity (K, 2) of the boundary per unit of the radius of an arc."""
+    """Compute the velocity (k, 2) of the points of an arc per unit of its radius."""
     pieces, start = sampled.pieces(loop), sampled.starts[loop]
-    piece = pieces[number]
-    points = sampled.points[start + piece]
+    points = sampled.points[start + pieces[number]]
     centre, radius = _circle(points, at)
     away = (points - centre) / radius
-    column = np.zeros((len(sampled.points), 2))
-    if len(pieces) == 1 and piece[0] == piece[-1]:
+    if len(pieces) == 1:
         # a circle: V = (X - c) / R, c at rest
-        column[start + piece] = away
-        return column
-    before, after = pieces[number - 1], pieces[(number + 1) % len(pieces)]
+        return away
+    beside = pieces[number - 1], pieces[(number + 1) % len(pieces)]
     # V = dc/dR + (X - c) / R, dc/dR = 0 unless the arc is a fillet
-    velocity = away + _centre_velocity(sampled, loop, (before, after), away)
-    for order, end in ((before, 0), (after[::-1], -1)):
-        column[start + order] = _fractions(sampled, loop, order) * velocity[end]
-    column[start + piece] = velocity
-    return column
+    return away + _centre_velocity(sampled, loop, beside, away)
 
 
 def _centre_velocity(sampled, loop, beside, away) -> np.ndarray:
