@@ -132,6 +132,12 @@ class FluidPressure(TermDefinition):
             found |= {name: contact.scalars[name] for name in closing_names(contact)}
         return found
 
+    def among(self, definitions) -> "FluidPressure":
+        """Return the fluid with the contacts of these definitions that have the labels of its own."""
+        by_label = {own.label: own for own in definitions}
+        contacts = tuple(by_label.get(own.label, own) for own in self.contacts)
+        return replace(self, contacts=contacts)
+
     def with_parameters(self, values: dict) -> "FluidPressure":
         """Return the fluid with another pressure, or with other parameters of the profiles."""
         contacts = tuple(

@@ -161,10 +161,12 @@ class Seal:
         )
 
     def _complete(self) -> None:
-        """Set open penalties of contacts from the stiffness of the body."""
+        """Set open penalties of contacts from the stiffness of the body; let terms that depend on
+        contacts depend on these."""
         # penalties scale with E/h of the elastic body
         elastic, *rest = self.definitions
-        rest = (completed(own, elastic, self.body, self.nominal_particles) for own in rest)
+        rest = [completed(own, elastic, self.body, self.nominal_particles) for own in rest]
+        rest = [own.among(rest) for own in rest]
         object.__setattr__(self, "definitions", (elastic, *rest))
 
     @cached_property

@@ -92,6 +92,11 @@ class TermDefinition:
         """Return a copy with some of the ``scalars`` changed."""
         return self
 
+    def among(self, definitions) -> "TermDefinition":
+        """Return the term of a seal with these definitions: one that depends on contacts of the seal, as
+        a fluid does, takes them from there, so that both change together."""
+        return self
+
     def with_ends(self, ends) -> "TermDefinition":
         """Return the term for a load path with other load steps, whose ``ends`` are in present
         nominal steps.

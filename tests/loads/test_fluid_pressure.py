@@ -278,6 +278,25 @@ def test_a_fluid_acts_on_a_free_side_up_to_the_corner_in_contact(tmp_path, edges
     assert response.force[:, 0].sum() == pytest.approx(-sign * 100.0 * height, rel=1e-12)
 
 
+def test_a_profile_that_is_placed_elsewhere_closes_the_edge_there(tmp_path):
+    """The fluid takes the contact pressure of the placed profile: as with another start in the file, but
+    that a profile that touches is moved off by 2e-9 of the size."""
+    text = BLOCK.replace("EDGE", '["top", "left"]\nfrom = "end"')
+    (tmp_path / "block.toml").write_text(text)
+    seal = sm.build_seal(tmp_path / "block.toml").with_placements()
+    placed = sm.analyze(seal, parameters={"lid_y": 0.1})
+    (tmp_path / "block.toml").write_text(text.replace("[[-100.0, 4.0]", "[[-100.0, 4.1]").replace(
+        "[100.0, 4.0]]", "[100.0, 4.1]]"
+    ))  # fmt: skip
+    other = sm.analyze(sm.build_seal(tmp_path / "block.toml"))
+    closing, expected = (own.response("fluid").outputs[:, 1] for own in (placed, other))
+    assert expected.max() > 300.0
+    np.testing.assert_allclose(closing, expected, rtol=1e-6)
+    assert placed.path.reaction("lid")[-1] == pytest.approx(
+        other.path.reaction("lid")[-1], rel=1e-9
+    )
+
+
 def test_messages_tell_of_the_fluid(pressed):
     term = pressed.term("fluid")
     words = term.describe(pressed.response("fluid"), pressed.path.steps[-1].fraction)
