@@ -72,7 +72,7 @@ def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:
         "*HEADING",
         f"Seal of {file.path.name}: mm, kPa, {kind}",
         *(f"** NOT EXPORTED: {text}" for text in left_out),
-        *_mesh_lines(seal, mesh), *_material_lines(seal, mesh), *_profile_lines(file, seal, mesh),
+        *_mesh_lines(file, seal, mesh), *_material_lines(seal, mesh), *_profile_lines(file, seal, mesh),
         *_self_contact_lines(file, seal, mesh), *_fixed_lines(file), *_step_lines(file, seal),
     ]  # fmt: skip
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -103,7 +103,14 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
                 f"friction law of {contact.label!r}; its contact is frictionless in this file"
             )
     for contact in contacts(seal):
-        if seal.body.axisymmetric and np.ptp(contact.motion.positions[:, 0]) > 0.0:
+        motion = contact.motion
+        if motion.begins_at < 0.0 and contact.label in file.glued:
+            found.append(
+                f"preliminary increments of the profile {contact.label!r}, which would move its glued "
+                "edges; it overlaps the section at the start"
+            )
+        radii = [*motion.positions[:, 0], motion.coordinates(BEFORE)[0]]
+        if seal.body.axisymmetric and np.ptp(radii) > 0.0:
             found.append(
                 f"radial motion of the profile {contact.label!r}; a rigid body of Abaqus cannot "
                 "change its radius"
@@ -113,6 +120,12 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
                 f"splines of the profile {contact.label!r}; they are replaced by straight segments"
             )
     return found
+
+
+def _begins_at(file: SealFile, contact) -> float:
+    """Return the path parameter of the pose with which a profile is written: before its preliminary
+    increments, but where the load steps begin if edges are glued to it."""
+    return 0.0 if contact.label in file.glued else contact.motion.begins_at
 
 
 def name_of(*words: str) -> str:
@@ -127,10 +140,10 @@ def _set(keyword: str, numbers) -> list[str]:
     return [keyword, *(", ".join(map(str, row)) for row in cut)]
 
 
-def _mesh_lines(seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
+def _mesh_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> list[str]:
     """Write nodes, elements by material, and the sets of nodes of all edges."""
     # reference nodes after those of the section; the pivot is the origin of their displacements
-    poses = [contact.motion.pose(BEFORE) for contact in contacts(seal)]
+    poses = [own.motion.pose(_begins_at(file, own)) for own in contacts(seal)]
     points = [*mesh.points.tolist(), *(pose.position + pose.pivot for pose in poses)]
     lines = ["*NODE", *(f"{n}, {x:.12g}, {y:.12g}" for n, (x, y) in enumerate(points, 1))]
     for number, region in enumerate(seal.definitions[0].regions):
@@ -183,7 +196,7 @@ def _profile_lines(file: SealFile, seal: OutlineSeal, mesh: QuadraticMesh) -> li
     """Write every profile with its reference node, surface and contact."""
     lines, edges = [], {own.name: own.contact for own in file.profiles}
     for number, contact in enumerate(contacts(seal), len(mesh.points) + 1):
-        label, pose = contact.label, contact.motion.pose(BEFORE)
+        label, pose = contact.label, contact.motion.pose(_begins_at(file, contact))
         reference, rigid = (name_of(word, label) for word in ("REFERENCE", "RIGID"))
         lines += _set(f"*NSET, NSET={reference}", [number - 1])
         lines += ["** outward normal on the left of the segments"]
@@ -264,21 +277,26 @@ def _fixed_lines(file: SealFile) -> list[str]:
 
 
 def _step_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
-    """Write a step for every stage, with total displacements of the reference nodes, their rotations,
-    and the displacements of moved edges."""
+    """Write a step for the preliminary increments, where there are any, and one for every stage, with
+    total displacements of the reference nodes, their rotations, and the displacements of moved edges."""
     motions = {own.label: own.motion for own in contacts(seal)}
     moved = _moved(file, seal)
     along = [*motions.values(), *(motion for _, _, motion in moved.values())]
     # stages of all motions, by the load steps at their ends
     ends = sorted({0, *(int(end) for motion in along for end in np.cumsum(motion.steps))})
+    steps = [(f"STAGE_{n}", first, last) for n, (first, last) in enumerate(pairwise(ends), 1)]
+    begins_at = {own.label: _begins_at(file, own) for own in contacts(seal)}
+    earliest = min(begins_at.values(), default=0.0)
+    if earliest < 0.0:
+        steps.insert(0, ("PRELIMINARY", earliest, 0))
     lines = []
-    for number, (first, last) in enumerate(pairwise(ends), 1):
-        lines += [f"*STEP, NAME=STAGE_{number}, NLGEOM=YES, INC={MOST_INCREMENTS}", "*STATIC"]
+    for name, first, last in steps:
+        lines += [f"*STEP, NAME={name}, NLGEOM=YES, INC={MOST_INCREMENTS}", "*STATIC"]
         # as many increments as load steps, shorter ones where Abaqus wants them
         increment = 1.0 / (last - first)
         lines += [f"{increment:.12g}, 1., {LEAST_INCREMENT:g}, {increment:.12g}", "*BOUNDARY"]
         for label, motion in motions.items():
-            change = motion.coordinates(last) - motion.coordinates(BEFORE)
+            change = motion.coordinates(last) - motion.coordinates(begins_at[label])
             rows = zip((1, 2, 6), change.tolist(), strict=True)
             lines += [f"{name_of('REFERENCE', label)}, {c}, {c}, {own:.12g}" for c, own in rows]
         for edges, components, motion in moved.values():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import shapely
 from ring_files import cylinder, ring
-from seal_file.block_files import FIXED, GLUED, MOVED, file_of
+from seal_file.block_files import FIXED, GLUED, LID, MOVED, file_of
+from seal_file.block_files import text as block_text
 
 import seal_mdao as sm
 from seal_mdao.export.abaqus import not_exported, write_abaqus
@@ -361,3 +362,56 @@ def test_a_ring_has_axisymmetric_elements(tmp_path):
     assert "EDGE_BORE, 1, 1" in text
     assert left_out == []
     assert any("radial motion" in own for own in texts["ring"][1])
+
+
+def travels(text: str, reference: str) -> dict:
+    """Total vertical displacement of a reference node at the end of every step, by the step's name."""
+    found = {}
+    for step in text.split("*STEP, NAME=")[1:]:
+        (row,) = (line for line in step.splitlines() if line.startswith(f"{reference}, 2, 2, "))
+        found[step.partition(",")[0]] = float(row.rpartition(",")[2])
+    return found
+
+
+def test_preliminary_increments_are_a_step_of_their_own(tmp_path):
+    """So the first stage has the increments and the path of its load steps."""
+    lid = LID.replace("[0, 4.02]", "[0, 3.85]\ninterference = 0.2")
+    own = Exported(file_of(tmp_path, FIXED, lid), tmp_path)
+    motion = own.seal.terms()[1].motion
+    begin, count = motion.retraction[-1][1], len(motion.retraction)
+    assert travels(own.text, "REFERENCE_LID") == pytest.approx(
+        {"PRELIMINARY": -begin, "STAGE_1": -begin - 0.5}
+    )
+    _, preliminary, stage = own.text.split("*STATIC\n")
+    assert float(preliminary.partition(",")[0]) == pytest.approx(1.0 / count)
+    assert float(stage.partition(",")[0]) == pytest.approx(1.0 / 3.0)
+    assert own.left_out == []
+
+
+def test_glued_edges_are_not_moved_by_preliminary_increments(tmp_path):
+    glued = GLUED.replace("line =", "interference = 0.3\nline =").replace(", rotate = 4.0", "")
+    # the free edge beside the glued one rises above it
+    rising = "arc = { start = [8, 0], through = [6, 4.1], end = [4, 4] }"
+    given = block_text(FIXED, glued).replace("line = [[4, 0], [4, 4]]", rising)
+    under = (
+        '{ edge = "base", line = [[-4, 0], [4, 0]] }, { edge = "under", line = [[4, 0], [8, 0]] }'
+    )
+    path = tmp_path / "seal.toml"
+    path.write_text(given.replace('{ edge = "base", line = [[-4, 0], [4, 0]] }', under))
+    own = Exported(sm.read_seal_file(path), tmp_path)
+    assert len(own.seal.terms()[1].motion.retraction) > 0
+    assert travels(own.text, "REFERENCE_PLATE") == {"STAGE_1": -1.5}
+    (left_out,) = own.left_out
+    assert left_out.startswith("preliminary increments of the profile 'plate'")
+
+
+def test_a_profile_that_backs_off_radially_is_reported(tmp_path):
+    """It stands still in all load steps."""
+    path = tmp_path / "ring.toml"
+    given = ring().replace('contact = ["top"]', 'contact = ["bore"]\ninterference = 0.2')
+    given = given.replace("line = [[-40.0, 0.0], [40.0, 0.0]]", "line = [[0.0, -9.0], [0.0, 9.0]]")
+    given = given.replace("start = [0.0, 2.05]", "start = [3.1, 0.0]")
+    path.write_text(given.replace("translate = [0.2, -0.5]\n", ""))
+    own = Exported(sm.read_seal_file(path), tmp_path)
+    (left_out,) = own.left_out
+    assert left_out.startswith("radial motion of the profile 'plate'")
