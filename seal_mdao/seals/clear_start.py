@@ -15,7 +15,7 @@ one path."""
 MOST = 600
 """Largest number of these multiples, more than twice the section's size."""
 PRESSING = 0.1
-"""Least normal fraction of a travel for a profile to back off along that travel, or to lead away."""
+"""Least normal fraction of a travel for a profile to back off along that travel."""
 STEP = 5e-6
 """Step of the difference quotients of gaps, over the section's size."""
 
@@ -28,8 +28,8 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     to start one position farther back has one more increment, which ends at first contact, and the same
     path from there on. Under friction, too, results are therefore continuous in the design.
 
-    A profile whose first stage does not press (it stands still, turns or slides) backs off along its
-    normal. One that is clear is left as it is, and so is one whose first stage leads away from the body.
+    A profile whose first stage does not press (it stands still, turns, slides or leads away) backs off
+    along its normal. One that is clear is left as it is.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _retraction(contact: RigidContact, particles, nominal, nominal_particles) ->
 
 def _way_back(contact: RigidContact, particles) -> np.ndarray:
     """Compute the unit vector against the travel of the first stage where that presses, else along the
-    normal at the nearest point; zero where the first stage leads away from the body."""
+    normal at the nearest point."""
     gaps, (first, second) = _gaps(contact, particles), contact.motion.positions[:2]
     nearest = int(gaps((0.0, 0.0)).argmin())
     # n = grad g by central differences
@@ -93,7 +93,5 @@ def _way_back(contact: RigidContact, particles) -> np.ndarray:
     slope = np.array([gaps(step)[nearest] - gaps(-step)[nearest] for step in steps])
     normal, travel = slope / (np.hypot(*slope) or 1.0), second - first
     length = float(np.hypot(*travel))
-    pressing = -normal @ travel
-    if pressing >= PRESSING * length > 0.0:
-        return -travel / length
-    return np.zeros(2) if pressing < -PRESSING * length else normal
+    presses = -normal @ travel >= PRESSING * length > 0.0
+    return -travel / length if presses else normal

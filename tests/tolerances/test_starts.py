@@ -106,7 +106,7 @@ def test_derivatives_of_a_sample_that_backs_off(made):
         ((0.0, 0.0), (0.0, 1.0)),  # stands still, turns, slides: along the normal
         ((2.0, 0.0), (0.0, 1.0)),
         ((2.0, 0.1), (0.0, 1.0)),  # slides, and leads away a little
-        ((0.0, 1.0), None),  # leads away from the body
+        ((0.0, 1.0), (0.0, 1.0)),  # leads away from the body
     ],
 )
 def test_where_profiles_back_off_to(made, travel, way):
@@ -118,9 +118,6 @@ def test_where_profiles_back_off_to(made, travel, way):
     )
     own = replace(seal, definitions=(body, inside), n_steps=3)
     found = with_clear_starts(own, own.particles())
-    if way is None:
-        assert found is own
-        return
     moved = found.definitions[1].motion
     farthest = moved.retraction[-1]
     assert np.abs(farthest / np.hypot(*farthest) - way / np.hypot(*way)).max() < 1e-3
@@ -129,6 +126,16 @@ def test_where_profiles_back_off_to(made, travel, way):
     later = [own.definitions[1].motion.pose(k).position for k in (0, 1, 2, 3)]
     again = [moved.pose(k).position for k in (0, 1, 2, 3)]
     assert np.array_equal(later, again)
+
+
+def test_a_plate_that_begins_inside_and_is_lifted(made):
+    """It presses as deep as one that has come from afar, and its force falls to zero."""
+    lifted = sm.analyze(made("{ translate = [0.0, 0.6], steps = 6 }"), parameters={"plate_y": -0.3})
+    pressed = sm.analyze(made("{ translate = [0.0, -0.6], steps = 12 }"))
+    initial = lifted.path.initial_force("plate")
+    assert initial == pytest.approx(pressed.reaction[5], rel=5e-3, abs=0.5)
+    assert np.all(np.diff([initial[1], *lifted.reaction[:, 1]]) <= 0.0)
+    assert lifted.reaction[-1].tolist() == [0.0, 0.0]
 
 
 OBLIQUE = "{ translate = [0.6, -1.0], steps = 10 }"
