@@ -41,6 +41,12 @@ ADVICE = (
     "penalty, or a design nearer to the nominal seal"
 )
 """For a path that could not be completed, where its cause is not known."""
+PRELIMINARY_ADVICE = (
+    "This is a preliminary increment before the first load step, because a profile overlaps the "
+    "undeformed section at its start. Start the profile where it does not overlap the section, with a "
+    "first stage of many load steps to the present start, or use a smaller overlap or normal penalty"
+)
+"""For a path that ends before the first load step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,12 +268,17 @@ class SealResult:
         # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last converged load step was at {self.caption(done - 1)}." if done else ""
-        advice = self._advice() if done else ADVICE
+        first = PRELIMINARY_ADVICE if self._begins_before() else ADVICE
+        advice = self._advice() if done else first
         return (
             f"the analysis could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} "
             f"{damped + '. ' if damped else ''}{advice}"
         )
+
+    def _begins_before(self) -> bool:
+        """Return whether the last converged state lies before the first load step begins."""
+        return [self.path.start, *self.path.steps][-1].fraction < 0.0
 
     def _advice(self) -> str:
         """Write what is remarkable at the last converged step of a path that failed, and what to do."""

@@ -138,6 +138,17 @@ def test_a_plate_that_begins_inside_and_is_lifted(made):
     assert lifted.reaction[-1].tolist() == [0.0, 0.0]
 
 
+def test_a_preliminary_increment_that_fails(made):
+    """More load steps would not help; a path that fails later is not meant."""
+    seal = made()
+    few = replace(seal, newton=sm.NewtonOptions(max_iterations=1, max_cuts=0, damped_iterations=0))
+    early = sm.analyze(few, parameters={"plate_y": -0.3})
+    assert early.failure.count("0 of 12 load steps converged") == 1
+    assert "This is a preliminary increment before the first load step" in early.failure
+    assert "more load steps" not in early.failure
+    assert "Use more load steps" in sm.analyze(few).failure
+
+
 OBLIQUE = "{ translate = [0.6, -1.0], steps = 10 }"
 MORE = """[[measure]]
 type = "reaction"
