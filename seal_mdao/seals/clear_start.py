@@ -9,8 +9,8 @@ from seal_mdao.geometry.pose import Pose
 from seal_mdao.seals.seal import Seal
 
 PART = 0.005
-"""A profile backs off in multiples of the power of two that is nearest to this fraction of the section's
-size (mm), so that neighbouring designs have the same positions and their derivatives are those of
+"""A profile backs off in multiples of the power of two that is nearest to this fraction of the nominal
+section's size (mm), so that all designs have the same positions and their derivatives are those of
 one path."""
 MOST = 600
 """Largest number of these multiples, more than twice the section's size."""
@@ -69,13 +69,13 @@ def _retraction(contact: RigidContact, particles, nominal, nominal_particles) ->
     """Find where the preliminary increments of a contact have to begin, from the start of its first load
     step, (n, 2) mm, the last one first; None where it is clear as it is, or cannot be.
 
-    The direction is that of the ``nominal`` contact, so that it does not depend on the design.
+    Direction and positions are those of the ``nominal`` contact and particles: they do not depend on
+    the design.
     """
     motion, gaps = contact.motion, _gaps(contact, particles)
     if gaps(motion.coordinates(BEFORE)[:2] - motion.coordinates(0.0)[:2]).min() >= 0.0:
         return None
-    # the same for neighbouring designs, whose sizes differ
-    part = 2.0 ** round(np.log2(PART * np.hypot(*np.ptp(particles, axis=0))))
+    part = 2.0 ** round(np.log2(PART * np.hypot(*np.ptp(nominal_particles, axis=0))))
     way = _way_back(nominal, nominal_particles)
     for count in range(1, MOST + 1):
         if gaps(count * part * way).min() > 0.0:

@@ -238,6 +238,25 @@ def test_results_are_continuous_where_a_profile_has_to_back_off_farther(tmp_path
     np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-4)
 
 
+def test_positions_are_the_same_for_designs_of_every_size(tmp_path):
+    """Also where the power of two changes: 0.5 % of the diagonal is 2^-4.5 mm for the nominal block."""
+    height = float(np.sqrt((2.0**-4.5 / 0.005) ** 2 - 8.0**2))
+    given = BLOCK % OBLIQUE + MORE
+    for old, new in (("3.0]", height - 2.0), ("5.0]", height)):
+        given = given.replace(old, f"{new!r}]")
+    (tmp_path / "seal.toml").write_text(given)
+    seal = sm.build_seal(tmp_path / "seal.toml").with_placements()
+    placed = {"plate_y": -0.26}
+    smaller, larger = (
+        sm.analyze(seal, np.full(seal.n_offsets, offset), parameters=placed)
+        for offset in (-1e-8, 1e-8)
+    )
+    assert len(smaller.path.preliminary) == len(larger.path.preliminary) > 4
+    for measure in seal.measures():
+        one, other = (result.value(measure) for result in (smaller, larger))
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-3)
+
+
 @pytest.mark.parametrize("model", ["", RELAXING])
 def test_preliminary_increments_without_contact_leave_the_bits(tmp_path, model):
     """Also of rubber that relaxes and of edges that move."""
