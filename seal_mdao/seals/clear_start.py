@@ -29,7 +29,8 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     path from there on. Under friction, too, results are therefore continuous in the design.
 
     A profile whose first stage does not press (it stands still, turns, slides or leads away) backs off
-    along its normal. One that is clear is left as it is.
+    along its normal. One that is clear is left as it is, and so is one that would back off into the
+    rubber.
 
     Parameters
     ----------
@@ -45,16 +46,16 @@ def with_clear_starts(seal: Seal, particles: np.ndarray) -> Seal:
     retractions = {}
     for nominal, definition in zip(seal.definitions, seal.terms(), strict=True):
         if isinstance(definition, RigidContact):
-            retraction = _retraction(definition, particles, nominal, seal.nominal_particles)
+            retraction = _retraction(definition, particles, nominal, seal)
             if retraction is not None:
                 retractions[definition.label] = retraction
     return seal.with_retractions(retractions) if retractions else seal
 
 
-def _gaps(contact: RigidContact, particles):
-    """Return the gaps of the contact points where the first load step begins, as a function of a shift
-    of the profile (2,), mm."""
-    motion, x = contact.motion, np.ascontiguousarray(contact.where.moving.at(particles))
+def _gaps(contact: RigidContact, x: np.ndarray):
+    """Return the gaps of points x (k, 2) where the first load step begins, as a function of a shift of
+    the profile (2,), mm."""
+    motion, x = contact.motion, np.ascontiguousarray(x)
     curve, (px, py, angle) = contact.shape.profile().curve, motion.coordinates(0.0)
 
     def gaps(shift):
@@ -65,28 +66,45 @@ def _gaps(contact: RigidContact, particles):
     return gaps
 
 
-def _retraction(contact: RigidContact, particles, nominal, nominal_particles) -> np.ndarray | None:
+def _retraction(contact: RigidContact, particles, nominal, seal: Seal) -> np.ndarray | None:
     """Find where the preliminary increments of a contact have to begin, from the start of its first load
     step, (n, 2) mm, the last one first; None where it is clear as it is, or cannot be.
 
     Direction and positions are those of the ``nominal`` contact and particles: they do not depend on
     the design.
     """
-    motion, gaps = contact.motion, _gaps(contact, particles)
+    motion, x = contact.motion, contact.where.moving.at(particles)
+    gaps = _gaps(contact, x)
     if gaps(motion.coordinates(BEFORE)[:2] - motion.coordinates(0.0)[:2]).min() >= 0.0:
         return None
-    part = 2.0 ** round(np.log2(PART * np.hypot(*np.ptp(nominal_particles, axis=0))))
-    way = _way_back(nominal, nominal_particles)
+    part = 2.0 ** round(np.log2(PART * np.hypot(*np.ptp(seal.nominal_particles, axis=0))))
+    way = _way_back(nominal, seal.nominal_particles)
     for count in range(1, MOST + 1):
-        if gaps(count * part * way).min() > 0.0:
-            return np.arange(1, count + 1)[:, None] * part * way
+        shift = count * part * way
+        found = gaps(shift)
+        if found.min() > 0.0:
+            inside = _is_inside(contact, particles, seal.body.cells, x[found.argmin()], shift)
+            return None if inside else np.arange(1, count + 1)[:, None] * part * way
     return None
+
+
+def _is_inside(contact: RigidContact, particles, cells, x, shift) -> bool:
+    """Return whether a profile that touches the boundary at a point x (2,) lies in the rubber there.
+
+    One that overlaps the complete thickness of a wall would back off to the wrong side of its face.
+    """
+    at = int(np.hypot(*(particles - x).T).argmin())
+    # centre of the cells beside the point: the gap increases from the point into the rubber
+    centre = particles[cells[(cells == at).any(axis=1)]].mean(axis=(0, 1))
+    at_point, within = _gaps(contact, np.array([x, centre]))(shift)
+    return bool(within < at_point)
 
 
 def _way_back(contact: RigidContact, particles) -> np.ndarray:
     """Compute the unit vector against the travel of the first stage where that presses, else along the
     normal at the nearest point."""
-    gaps, (first, second) = _gaps(contact, particles), contact.motion.positions[:2]
+    gaps = _gaps(contact, contact.where.moving.at(particles))
+    first, second = contact.motion.positions[:2]
     nearest = int(gaps((0.0, 0.0)).argmin())
     # n = grad g by central differences
     steps = STEP * float(np.hypot(*np.ptp(particles, axis=0))) * np.eye(2)

@@ -138,6 +138,24 @@ def test_a_plate_that_begins_inside_and_is_lifted(made):
     assert lifted.reaction[-1].tolist() == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("travel", [-0.2, 0.2])
+def test_a_pin_in_the_middle_of_a_wall_is_refused(tmp_path, travel):
+    """It is clear of the upper face 0.5 mm farther down, but lies in the rubber there."""
+    given = BLOCK % f"{{ translate = [0.0, {travel}], steps = 2 }}"
+    given = given.replace(
+        "line = [[-40.0, 0.0], [40.0, 0.0]]", "circle = { centre = [0.0, 0.0], radius = 2.0 }"
+    )
+    for start, inside in ((6.5, False), (3.5, True)):
+        own = given.replace("start = [0.0, 5.0]", f"interference = 9.0\nstart = [0.0, {start}]")
+        (tmp_path / "seal.toml").write_text(own)
+        seal = sm.build_seal(tmp_path / "seal.toml")
+        if inside:
+            with pytest.raises(sm.GeometryError, match="overlaps the rigid profile 'plate'"):
+                sm.analyze(seal)
+        else:
+            assert len(sm.analyze(seal).path.preliminary) > 4
+
+
 def test_a_preliminary_increment_that_fails(made):
     """More load steps would not help; a path that fails later is not meant."""
     seal = made()
