@@ -537,11 +537,12 @@ def analyzed_with(
 
 def estimate(seal: Seal, n_steps: int | None = None) -> Cost:
     """Estimate time and memory of one analysis of a seal (``analysis.cost``), in its own load steps or
-    in ``n_steps``."""
+    in ``n_steps``; preliminary increments (``Motion.retraction``) are added to them."""
     values.instance("seal", seal, Seal)
     n_steps = seal.n_steps if n_steps is None else values.integer("n_steps", n_steps, 0)
+    before = max((len(own.motion.retraction) for own in profiles.contacts(seal)), default=0)
     touching = bool(profiles.self_contacts(seal))
-    return analysis_cost(seal.body, seal.nominal_particles, n_steps, touching)
+    return analysis_cost(seal.body, seal.nominal_particles, n_steps + before, touching)
 
 
 def unloaded(seal: Seal) -> SealResult:

@@ -156,6 +156,13 @@ def test_a_pin_in_the_middle_of_a_wall_is_refused(tmp_path, travel):
             assert len(sm.analyze(seal).path.preliminary) > 4
 
 
+def test_the_estimate_of_the_computing_time_contains_preliminary_increments(made):
+    seal = made()
+    placed = seal.with_retractions({"plate": [(0.0, 0.1), (0.0, 0.2), (0.0, 0.3)]})
+    assert sm.estimate(placed) == sm.estimate(seal, seal.n_steps + 3)
+    assert sm.estimate(placed).seconds > sm.estimate(seal).seconds
+
+
 def test_a_preliminary_increment_that_fails(made):
     """More load steps would not help; a path that fails later is not meant."""
     seal = made()
