@@ -31,6 +31,7 @@ from seal_mdao.seals.file.accuracy import admissible_errors, with_filling
 from seal_mdao.seals.file.build import built
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.section_table import check_section
+from seal_mdao.seals.penalty_error import NORMAL, TANGENT
 from seal_mdao.seals.result import SealResult, analyze
 
 ROUNDS = 5
@@ -213,7 +214,7 @@ def refine(
             store_path(result.seal, result.path)
             return cloud
         if not admissible:
-            _require_attainable(worst)
+            _require_attainable(worst, file)
             order = _order(cloud, before)
             # errors of coarse clouds may be small by chance, so a single comparison decides nothing
             if order < LEAST_ORDER and slow == worst.name:
@@ -248,15 +249,27 @@ def _require_limit(result: SealResult) -> None:
         )
 
 
-def _require_attainable(worst: WorstError) -> None:
-    """Raise ValueError where given load steps and penalties cause more than the admissible error."""
-    if not worst.factor > 0.0:
-        raise ValueError(
-            f"the load steps and penalties of the file alone cause a numerical error of {worst.name} of "
-            f"{worst.error - worst.particles:.2g} times its value, more than the admissible "
-            f"{worst.admissible:.2%}; leave steps, normal_penalty and tangent_penalty "
-            "out of the file, so that they are chosen automatically"
-        )
+def _require_attainable(worst: WorstError, file: SealFile) -> None:
+    """Raise ValueError where load steps and penalties cause more than the admissible error."""
+    if worst.factor > 0.0:
+        return
+    # keys that are in the file; what is chosen automatically cannot be left out
+    given = ["steps"] if file.step_tolerance is None else []
+    given += [
+        key
+        for key in (NORMAL, TANGENT)
+        if any(getattr(own, key) is not None for own in file.profiles)
+    ]
+    cure = (
+        f"leave {', '.join(given)} out of the file, to have them chosen automatically"
+        if given
+        else f"admit a larger error of {worst.name} in accuracy of [section], or leave it out there"
+    )
+    raise ValueError(
+        f"the load steps and penalties alone cause a numerical error of {worst.name} of "
+        f"{worst.error - worst.particles:.2g} times its value, more than the admissible "
+        f"{worst.admissible:.2%}; {cure}"
+    )
 
 
 def _order(cloud: Cloud, before: Cloud | None) -> float:

@@ -121,10 +121,21 @@ def test_the_particles_get_what_steps_and_penalties_leave(monkeypatch, tmp_path)
     assert found.worst.error <= 0.01
 
 
-def test_given_steps_with_too_large_errors_are_refused(monkeypatch, tmp_path):
+def test_steps_with_too_large_errors_are_refused(monkeypatch, tmp_path):
     errors_by(monkeypatch, lambda spacing: {"reaction": estimate(1e-4, 0.02)})
-    with pytest.raises(ValueError, match=r"load steps and penalties of the file alone .* 1\.00%"):
-        refine(sm.read_seal_file(accurate(tmp_path)))
+    path = accurate(tmp_path)
+    with pytest.raises(
+        ValueError, match=r"alone .* 1\.00%; leave steps, .*penalty out of the file"
+    ):
+        refine(sm.read_seal_file(path))
+    # chosen steps cannot be left out
+    text = re.sub(r"\w+_penalty = .*\n", "", path.read_text()).replace(", steps = 16", "")
+    path.write_text(text)
+    monkeypatch.setattr(chosen_spacing, "built", lambda file, callback: None)
+    with pytest.raises(
+        ValueError, match=r"admit a larger error of reaction in accuracy of \[section"
+    ):
+        refine(sm.read_seal_file(path))
 
 
 def test_tolerances_of_steps_and_penalties(tmp_path):
