@@ -2,6 +2,8 @@
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ RUN = {
     "reference/api.md",
     "extend.md",
     "guide_report.md",
+    "howto/cluster.md",
     "material_tests.md",
     "openmdao.md",
     "tolerances.md",
@@ -191,3 +194,15 @@ def test_own_openmdao_model(run_page):
     nominal = sm.differentiate(sm.analyze(seal), ("door_radius",)).gap_square_sum[-1]
     through = names["through"]["gap_square_sum", "door_radius"][0, 0]
     assert through == pytest.approx(nominal, rel=1e-9)
+
+
+def test_results_of_a_process_pool(docs, tmp_path):
+    """Processes import the script: it runs as a file, and prints the forces of three seals."""
+    (code,) = PYTHON.findall((docs / "howto" / "cluster.md").read_text(encoding="utf-8"))
+    (tmp_path / "pool.py").write_text(code, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "pool.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    forces = [np.fromstring(line.strip("[]"), sep=" ") for line in done.stdout.splitlines()]
+    assert forces[1] == pytest.approx(sm.analyze(sm.door_seal()).path.reaction("door")[-1])
+    assert len({tuple(force) for force in forces}) == 3
