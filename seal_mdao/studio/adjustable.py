@@ -180,14 +180,16 @@ def _of_motions(file: SealFile, tables: dict, seal: Seal) -> Iterator[Adjustable
             # travel of every stage, then where the motion starts
             for j, _ in enumerate(row.get("stage", ())):
                 yield from _of_stage(tables, (table, i, "stage", j), name)
-            places = [("x", "start", 0), ("y", "start", 1)] if table == "profile" else []
+            # a glued edge is bonded where the profile starts: another start moves the edge, too
+            placed = table == "profile" and "glued" not in row
+            places = [("x", "start", 0), ("y", "start", 1)] if placed else []
             for axis, *path in places:
                 path = (table, i, *path)
                 value, reach = _at(tables, path) or 0.0, SHIFT * size
                 yield _of_motion(
                     f"{name}_{axis}", f"start of {name}, {axis}", "mm", value, reach, path
                 )
-            if table == "profile":
+            if placed:
                 path = (table, i, "angle")
                 value = _at(tables, path) or 0.0
                 yield _of_motion(f"{name}_angle", f"angle of {name}", "°", value, TURN, path)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.build import unchosen_seal
-from seal_mdao.seals.file.export import on_lines
+from seal_mdao.seals.file.export import on_lines, write_interferences
 from seal_mdao.seals.file.from_drawing import LAYERED, from_drawing
 from seal_mdao.seals.file.measure_types import KINDS
 from seal_mdao.seals.file.read import read_seal_file
@@ -71,9 +71,8 @@ def write_problem(bench: Workbench, design: list, problem: dict, path: Path) -> 
         For a problem that the seal cannot have; no file is written then.
     """
     tables = deepcopy(bench.tables)
-    for own, value in zip(bench.numbers, design, strict=True):
-        if own.path and value != own.value:
-            own.write(tables, value)
+    bench.write_numbers(tables, design)
+    write_interferences(tables, bench.placed(design), bench.file.section.outline)
     if problem["fixed"]:
         tables["fixed"] = tables.get("fixed", {}) | {"edges": problem["fixed"]}
     if problem["pressed"] and tables.get("profile"):

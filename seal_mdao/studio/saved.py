@@ -30,14 +30,14 @@ def save_design(bench: Workbench, design: list, folder, name: str) -> list[Path]
     """
     offsets, parameters = bench.split(design)
     seal = bench.seal.with_parameters(parameters)
-    paths = write_design(bench.file, seal, offsets, bench.measures, folder, name)
+    # profiles that have been moved into the section are written with their interference
+    file = bench.placed(design)
+    paths = write_design(file, seal, offsets, bench.measures, folder, name)
     text = paths[0].read_text(encoding="utf-8")
     # the comment of ``write_design`` stays
     head = "".join(line for line in text.splitlines(True) if line.startswith("#"))
     tables = tomllib.loads(text)
-    for own, value in zip(bench.numbers, design, strict=True):
-        if own.path and value != own.value:
-            own.write(tables, value)
+    bench.write_numbers(tables, design)
     tables = import_module("tomli_w").dumps(tables)
     paths[0].write_text(head + on_lines(tables), encoding="utf-8")
     return paths

@@ -5,6 +5,8 @@ All of it runs in the worker process (``studio.worker``).
 
 import tomllib
 from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +19,7 @@ from seal_mdao.plotting.field import FineGrid, fine_grid
 from seal_mdao.report.picture_data import POINTS
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import description
+from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_seal_file
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.stored_choice import store_choice, stored_choice
@@ -160,6 +163,26 @@ class Workbench:
                 parameters[own.name] = value - own.zero
         return np.array(design[:count], float), parameters
 
+    def write_numbers(self, tables: dict, design) -> None:
+        """Write the changed numbers of a design, except its offsets, into the tables of a seal
+        file."""
+        for own, value in zip(self.numbers, design, strict=True):
+            if own.path and value != own.value:
+                own.write(tables, value)
+
+    def placed(self, design) -> SealFile:
+        """Return the file with the profiles where a design places them."""
+        tables = deepcopy(self.tables)
+        self.write_numbers(tables, design)
+        rows = zip(self.file.profiles, tables.get("profile", ()), strict=True)
+        profiles = tuple(
+            replace(
+                own, start=tuple(row.get("start", own.start)), angle=row.get("angle", own.angle)
+            )
+            for own, row in rows
+        )
+        return replace(self.file, profiles=profiles)
+
     def analyze(self, design, step: int | None = None) -> dict:
         """Analyse a design and return the data of its pictures.
 
@@ -172,11 +195,23 @@ class Workbench:
         return self.shown(result, design, step)
 
     def shown(self, result: SealResult, design, step: int | None = None) -> dict:
-        """Store an analysed design as the last result and return the data of its pictures."""
+        """Store an analysed design as the last result and return the data of its pictures.
+
+        Raises
+        ------
+        LoadPathError, ValueError
+            For a path without a load step, or a measure without a value; the last result remains then.
+        """
         if not result.path.nominal_steps:
             raise LoadPathError(result.failure, result)
+        before = self.result, self.rates, self.fine
         self.result, self.rates, self.fine = result, None, self._grid(result)
-        return self._state(step) | {"design": list(map(float, design))}
+        try:
+            return self._state(step) | {"design": list(map(float, design))}
+        except ValueError:
+            # the page keeps the pictures of the last result
+            self.result, self.rates, self.fine = before
+            raise
 
     def first_order(self, step: int | None = None) -> dict | None:
         """Differentiate the last result; None for a path that was not completed."""

@@ -7,6 +7,7 @@ import pytest
 from studio.small_seal import TEXT, nothing, write
 
 import seal_mdao as sm
+from seal_mdao.studio.problem_form import write_problem
 from seal_mdao.studio.saved import save_design
 from seal_mdao.studio.workbench import Workbench
 
@@ -84,8 +85,82 @@ def test_numbers_of_other_files(tmp_path, old, new, name, value):
     assert np.abs(result.reaction - force).max() <= AGREEMENT * np.abs(force).max()
 
 
+def test_a_profile_moved_into_the_section_is_saved_with_its_interference(bench, tmp_path):
+    design = changed(bench, plate_y=9.9, plate_angle=1.0)
+    design[:4] = [0.05, -0.1, 0.1, 0.05]
+    state = bench.analyze(design)
+    path, *_ = save_design(bench, design, tmp_path, "mine")
+    (profile,) = sm.read_seal_file(path).profiles
+    assert 0.1 < profile.interference < 0.3
+    result = sm.analyze(sm.build_seal(path))
+    assert len(result.path.steps) > len(result.path.nominal_steps)
+    force = np.array(state["curves"][0]["force"])
+    assert np.abs(result.reaction - force).max() <= AGREEMENT * np.abs(force).max()
+
+
+def test_a_problem_with_a_profile_moved_into_the_section_is_a_seal_file(bench, tmp_path):
+    path = tmp_path / "other.toml"
+    problem = {
+        "fixed": ["foot"], "pressed": ["bulb"], "moving": ["inside"], "parameters": 4, "bound": 0.4,
+        "minimize": None, "limits": [],
+    }  # fmt: skip
+    write_problem(bench, changed(bench, plate_y=9.9), problem, path)
+    (profile,) = sm.read_seal_file(path).profiles
+    assert (profile.start, profile.interference) == ((0.0, 9.9), pytest.approx(0.1, rel=0.02))
+
+
+GLUED = """\
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 240.0
+c01 = 60.0
+bulk_modulus = 24000.0
+[section]
+spacing = 1.0
+outer = [
+  { edge = "base", line = [[-3.0, 0.0], [3.0, 0.0]] },
+  { edge = "right", line = [[3.0, 0.0], [3.0, 4.0]] },
+  { edge = "top", line = [[3.0, 4.0], [-3.0, 4.0]] },
+  { edge = "left", line = [[-3.0, 4.0], [-3.0, 0.0]] },
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "lid"
+friction = 0.2
+glued = ["top"]
+contact = ["right"]
+normal_penalty = 60000.0
+tangent_penalty = 6000.0
+line = [[-20.0, 0.0], [20.0, 0.0]]
+start = [0.0, 4.0]
+stage = [{ translate = [0.1, -0.8], rotate = 1.0, steps = 5 }]
+"""
+
+
+def test_the_start_of_a_profile_with_glued_edges_is_not_changed(tmp_path):
+    """A file with another start has the edge bonded there; a placement would displace the edge."""
+    bench = Workbench(write(tmp_path, text=GLUED), nothing, nothing)
+    assert [own.name for own in bench.numbers] == [
+        "lid_friction", "lid_stage_1_x", "lid_stage_1_y", "lid_stage_1_angle", "c10", "c01",
+    ]  # fmt: skip
+    design = changed(bench, lid_stage_1_x=0.2, lid_stage_1_y=-0.7, lid_stage_1_angle=1.2)
+    state = bench.analyze(design)
+    path, *_ = save_design(bench, design, tmp_path, "mine")
+    result = sm.analyze(sm.build_seal(path))
+    force = np.array(state["curves"][0]["force"])
+    assert np.abs(result.reaction - force).max() <= AGREEMENT * np.abs(force).max()
+
+
 def test_designs_out_of_range_are_refused(bench):
     with pytest.raises(ValueError, match="must have 12 numbers"):
         bench.split([0.0])
     with pytest.raises(ValueError, match=r"friction on plate = 9 is outside its range 0 to 1"):
         bench.split(changed(bench, plate_friction=9.0))
+
+
+def test_a_design_of_a_file_without_measures_is_a_seal_file(tmp_path):
+    text = TEXT.split("[[measure]]")[0]
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    path, *_ = save_design(bench, changed(bench, c10=250.0), tmp_path, "mine")
+    assert sm.read_seal_file(path).measures == ()

@@ -124,19 +124,28 @@ def write_design(
     refused = _without_impossible_designs(given, file, seal, outline, offsets)
     # what was chosen for the nominal seal holds for the design
     write_chosen(given, file, seal)
-    given["measure"] = _with_places(given.get("measure", []), file, seal, offsets, measures)
+    rows = _with_places(given.get("measure", []), file, seal, offsets, measures)
+    if rows:
+        given["measure"] = rows
     # edges of the nominal section; a cloud has no scheme, from which contact points would follow
     for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
         own["contact"] = list(profile.contact)
         own["contact_points"] = profile.contact_points
-        # a design that has grown into it: a hundredth more, for the drawing is rounded
-        inside = -1.01 * nearest_at_start(profile, outline).gap
-        if inside > TYPED * outline.size:
-            own["interference"] = max(profile.interference, float(f"{inside:.3g}"))
+    write_interferences(given, file, outline)
     head = HEAD.format(name=file.path.name) + "".join(refused)
     text = head + on_lines(writer.dumps(given))
     paths[0].write_text(text, encoding="utf-8")
     return paths
+
+
+def write_interferences(given: dict, file: SealFile, outline) -> None:
+    """Write the depths by which profiles lie inside an outline at the start, where it has grown into
+    them or they have been moved into it, into the tables ``given`` of the file."""
+    for own, profile in zip(given.get("profile", ()), file.profiles, strict=True):
+        # a hundredth more, for a drawing is rounded
+        inside = -1.01 * nearest_at_start(profile, outline).gap
+        if inside > TYPED * outline.size:
+            own["interference"] = max(profile.interference, float(f"{inside:.3g}"))
 
 
 def on_lines(text: str) -> str:
