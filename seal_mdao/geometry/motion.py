@@ -348,6 +348,28 @@ class Motion:
         travel = np.where(given, 0.0, self._lengths)
         return self._accumulated(travel), self._accumulated(np.where(given, self.durations, 0.0))
 
+    @property
+    def timed_travel_rates(self) -> np.ndarray:
+        """Derivatives of the travel of ``timing`` with respect to the parameters, shape
+        (n_parameters, n_steps + 1)."""
+        growth = np.where(np.isnan(self.durations), self._growth, 0.0)
+        rows = [self._accumulated(own) for own in growth]
+        return np.array(rows).reshape(len(self.names), self.n_steps + 1)
+
+    @property
+    def _directions(self) -> np.ndarray:
+        """Unit vectors of the stages, shape (n_stages, 2); zero of a stage without travel."""
+        # u_k = chord_k / L_k
+        lengths = np.where(self._lengths == 0.0, 1.0, self._lengths)
+        return np.diff(self.positions, axis=0) / lengths[:, None]
+
+    @property
+    def _growth(self) -> np.ndarray:
+        """Derivatives of the travel of every stage, shape (n_parameters, n_stages); zero of a stage
+        without travel."""
+        # L_k = |chord_k|,  L_k' = u_k . chord_k'
+        return (np.diff(self.rates[:, :, :2], axis=1) * self._directions).sum(axis=2)
+
     def _accumulated(self, sizes: np.ndarray) -> np.ndarray:
         """Sum what grows linearly by ``sizes`` (n_stages,) in the stages, shape (n_steps + 1,)."""
         # s = sum of the stages before + phi L of the present one
@@ -385,16 +407,14 @@ class Motion:
             return 0.0, np.zeros(len(self.names))
         # phi = (travel - sum_(k < s) L_k) / L_s
         phi = min(1.0, (travel - before) / length)
-        # L_k = |chord_k|,  u_k = chord_k / L_k,  L_k' = u_k . chord_k'
-        chords, rates = np.diff(self.positions, axis=0), np.diff(self.rates[:, :, :2], axis=1)
-        units = chords / np.where(lengths == 0.0, 1.0, lengths)[:, None]
-        growth = (rates * units).sum(axis=2)
+        units, growth = self._directions, self._growth
         # travel = sum_(k < s) L_k + phi L_s is fixed:  phi' = -(sum_(k < s) L_k' + phi L_s') / L_s
         slopes = -(growth[:, :stage].sum(axis=1) + phi * growth[:, stage]) / length
         fraction, per_phi = self._after(stage, phi)
         if fraction < 1.0 and self.clearance.any():
             # u_0' . c = (chord_0' . c - L_0' u_0 . c) / L_0;  the distance added is -u_0 . c
-            across = rates[:, 0] @ self.clearance - growth[:, 0] * (units[0] @ self.clearance)
+            rates = self.rates[:, 1, :2] - self.rates[:, 0, :2]
+            across = rates @ self.clearance - growth[:, 0] * (units[0] @ self.clearance)
             return self._in_first_step(
                 travel, -units[0] @ self.clearance, growth[:, 0], -across / length
             )

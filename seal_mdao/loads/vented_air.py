@@ -36,6 +36,7 @@ import numpy as np
 import scipy
 
 from seal_mdao import values
+from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.orifice import Flow, orifice_flow
 from seal_mdao.loads.trapped_air import TrappedAir, TrappedAirTerm
@@ -95,6 +96,9 @@ class VentedAir(TrappedAir):
     discharge_coefficient : float
     time : ndarray, shape (n_steps + 1,), optional
         Time of the stages with a given duration, in the same form, s; None: there are none.
+    motion : Motion, optional
+        That of the profile, whose ``timing`` travel and time are; its parameters change them. None
+        where they do not depend on parameters.
 
     Raises
     ------
@@ -110,6 +114,7 @@ class VentedAir(TrappedAir):
     travel: np.ndarray | None = None
     discharge_coefficient: float = SHARP_EDGED
     time: np.ndarray | None = None
+    motion: Motion | None = None
 
     def __post_init__(self):
         super().__post_init__()
@@ -161,17 +166,37 @@ class VentedAir(TrappedAir):
             "discharge_coefficient": (None, "Discharge coefficient of the vents."),
             "closing_speed": ("mm/s", "Speed along the path of the profile."),
         }
-        return super().scalars | {
-            f"{self.label}_{name}": Scalar(getattr(self, name), *about)
-            for name, about in own.items()
-            if getattr(self, name) is not None
-        }
+        motion = () if self.motion is None else self.motion.names
+        return (
+            super().scalars
+            | {
+                f"{self.label}_{name}": Scalar(getattr(self, name), *about)
+                for name, about in own.items()
+                if getattr(self, name) is not None
+            }
+            | {name: Scalar(0.0, self.motion.unit(name), f"Motion: {name}.") for name in motion}
+        )
+
+    def with_parameters(self, values: dict) -> "VentedAir":
+        """Return the air with other parameters, those of the motion included."""
+        if self.motion is None:
+            return super().with_parameters(values)
+        own = {name: value for name, value in values.items() if name in self.motion.names}
+        rest = {name: value for name, value in values.items() if name not in own}
+        return super().with_parameters(rest).timed_by(self.motion.moved(own))
+
+    def timed_by(self, motion: Motion) -> "VentedAir":
+        """Return the air with travel and time of a motion, and its parameters."""
+        travel, time = motion.timing
+        return replace(self, travel=travel, time=time, motion=motion)
 
     def with_ends(self, ends) -> "VentedAir":
         """Return the air for other load steps."""
         other = super().with_ends(ends)
         if self.clock is not None:
             return other
+        if self.motion is not None:
+            return other.timed_by(self.motion.with_ends(ends))
         both = {name: np.asarray(getattr(self, name), float) for name in ("travel", "time")}
         return replace(other, **{name: at_ends(own, ends) for name, own in both.items()})
 
@@ -226,6 +251,11 @@ class VentedAirTerm(TrappedAirTerm):
         if self.clock is None:
             self.travel = np.asarray(definition.travel, float)
             self.time = np.asarray(definition.time, float)
+            # ds/dp of the parameters of the motion, shape (n_steps + 1,) each
+            motion = definition.motion
+            rates = () if motion is None else motion.timed_travel_rates
+            names = () if motion is None else motion.names
+            self.travel_rates = dict(zip(names, rates, strict=True))
         # A0: area of the undeformed hole, V0 / (2 pi R_c) in a body of revolution
         self.nominal_area, self.area_by_reference = self.nominal_volume, self.by_reference
         if self.axisymmetric:
@@ -266,8 +296,15 @@ class VentedAirTerm(TrappedAirTerm):
         # dt = travel / speed + given time
         moving = travel / self.speed
         time = moving + given
-        by_speed = -1.0 / self.speed * (moving / time if time else 0.0)
-        return time, {f"{self.label}_closing_speed": by_speed}
+        if not time:
+            return time, {}
+        # (ln dt)' = -dt_moving / (v dt) by the speed,  (s' of the end - s' of the start) / (v dt) by
+        # parameters of the motion
+        rates = {
+            name: float(at_fraction(own, last) - at_fraction(own, first)) / (self.speed * time)
+            for name, own in self.travel_rates.items()
+        }
+        return time, rates | {f"{self.label}_closing_speed": -moving / (self.speed * time)}
 
     def _vented(self, x, fraction, history: AirHistory) -> _State | None:
         """Solve for the state at the end of a load step; None where the volume is not positive."""

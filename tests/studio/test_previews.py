@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from studio.small_seal import TEXT, nothing, write
 
+import seal_mdao as sm
 from seal_mdao.studio.workbench import Workbench
 from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
@@ -117,6 +118,36 @@ def test_a_design_whose_measure_has_no_value_leaves_the_pictures_of_the_last_one
     with pytest.raises(ValueError, match="retained_force"):
         bench.analyze(design)
     assert bench.view(7) == before["frame"]
+
+
+VENTED = """\
+[[cavity]]
+hole = 1
+vent_diameter = 3.0
+vent_spacing = 100.0
+closing_speed = 1000.0
+[fixed]"""
+
+
+def test_the_time_of_vented_air_changes_with_the_travel(tmp_path):
+    """Time, pressure and force are those of a file with this travel at its closing speed."""
+    text = TEXT.replace("[fixed]", VENTED)
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    start = bench.start()
+    (travel,) = [p for p, own in enumerate(bench.numbers) if own.name == "plate_stage_1_y"]
+
+    def forces(value):
+        design = list(start)
+        design[travel] = value
+        return np.array(bench.analyze(design)["curves"][0]["force"])
+
+    written = text.replace("[0.0, -1.7]", "[0.0, -1.5]")
+    result = sm.analyze(sm.build_seal(write(tmp_path, "written.toml", written)))
+    assert result.reaction == pytest.approx(forces(-1.5), rel=1e-9, abs=1e-9 * 300.0)
+    forces(-1.7)
+    (rates,) = bench.first_order()["force"]
+    rate, h = numbers(rates).reshape(-1, 2, len(start))[-1, 1, travel], 1e-3
+    assert (forces(-1.7 + h) - forces(-1.7 - h))[-1, 1] / (2.0 * h) == pytest.approx(rate, rel=1e-5)
 
 
 SCATTERED = """\
