@@ -372,6 +372,9 @@ class Session:
         self._store("rates", content)
 
     def _on_view(self, content: dict) -> None:
+        if "exact" not in self.last:
+            # the first analysis failed: there is no state to show
+            return
         # the state now has the picture of another load step
         self.last["exact"] = self.last["exact"] | {"frame": content}
         self._store("view", content)

@@ -133,6 +133,21 @@ def test_compared_designs(page):
     page.wait("return studio.kept.length === 1")
 
 
+def test_compared_designs_without_measures_or_on_another_axis(page):
+    page.click("keep")
+    page.wait("return studio.kept.length === 1")
+    page.wait("return document.querySelectorAll('#curve path.line').length === 2")
+    # a path that was not completed, and a curve over load steps
+    page.run(
+        "const [own] = studio.kept, curves = own.curves.map((c) => ({...c, words: 'load step'}));"
+        "studio.kept = [{...own, name: 'B', measures: {}, curves}, own]; showKept(); draw()"
+    )
+    text = page.run("return document.getElementById('compared').innerText")
+    assert "reaction" in text
+    assert "–" in text
+    assert len(page.browser.find_elements("css selector", "#curve path.line")) == 2
+
+
 def test_improve_is_drawn_and_taken_back(page):
     before = page.design()
     page.click("improve")

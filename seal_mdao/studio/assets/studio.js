@@ -145,11 +145,12 @@ function drawCharts(now) {
     }));
   });
   const pressures = now.pressure.map((own, i) => ({ name: now.pressure.length > 1 ? own.name : "this design", x: own.arc, values: [...own.values], color: color(i), dash: now.exactly ? "" : "5 3", dots: 2 }));
+  // travel and load steps have no common axis
+  const words = now.curves.length ? now.curves[0].words : "";
   kept.forEach(({ name, curves: those, pressure }, i) => {
-    those.slice(0, 1).forEach((own) => curves.push({ name, x: [0, ...own.along], values: [own.initial[own.component], ...own.force.map((f) => f[own.component])], color: color(i + 2), dash: "2 3" }));
+    those.slice(0, 1).filter((own) => own.words === words).forEach((own) => curves.push({ name, x: [0, ...own.along], values: [own.initial[own.component], ...own.force.map((f) => f[own.component])], color: color(i + 2), dash: "2 3" }));
     pressure.slice(0, 1).forEach((own) => pressures.push({ name, x: own.arc, values: own.values, color: color(i + 2), dash: "2 3" }));
   });
-  const words = now.curves.length ? now.curves[0].words : "";
   chart("curve", { name: "Load-deflection curve", x: { label: words, values: [] }, y: { label: scene.force.unit }, series: curves });
   chart("pressure", { name: "True contact pressure", x: touched(now), y: { label: "kPa", low: 0 }, series: pressures });
   place("curve-unit").textContent = scene.force.unit;
@@ -616,9 +617,10 @@ function showKept() {
   const { kept, scene } = state, box = place("compared");
   box.hidden = !kept.length;
   if (!kept.length || !scene) return;
-  const names = Object.keys(kept[0].measures), head = kept.map(({ name }, i) => `<th scope="col"><i style="background:${color(i + 2)}"></i> ${escaped(name)}</th>`).join("");
+  // a design whose path was not completed has no measures
+  const names = [...new Set(kept.flatMap((own) => Object.keys(own.measures)))], head = kept.map(({ name }, i) => `<th scope="col"><i style="background:${color(i + 2)}"></i> ${escaped(name)}</th>`).join("");
   const cells = (of) => kept.map((own) => `<td>${escaped(of(own))}</td>`).join("");
-  const lines = names.map((name) => `<tr><th scope="row">${escaped(spoken(name))} ${escaped(unitOf(name))}</th>${cells((own) => own.measures[name].map((v) => readable(v, 4)).join(", "))}</tr>`);
+  const lines = names.map((name) => `<tr><th scope="row">${escaped(spoken(name))} ${escaped(unitOf(name))}</th>${cells((own) => (own.measures[name] || []).map((v) => readable(v, 4)).join(", ") || "–")}</tr>`);
   const changed = scene.numbers.map((own, p) => [own, p]).filter(([own, p]) => kept.some((k) => k.design[p] !== own.value));
   const numbers = changed.map(([own, p]) => `<tr><th scope="row">${escaped(own.text)} ${escaped(own.unit)}</th>${cells((k) => readable(k.design[p], 4))}</tr>`);
   const buttons = kept.map(({ name }) => `<td data-live><button data-take="${escaped(name)}">Use</button> <button data-drop="${escaped(name)}">Remove</button></td>`).join("");
