@@ -289,8 +289,8 @@ def _others(tables: dict) -> Iterator[Adjustable]:
         if value is not None:
             name = row.get("name", "fluid")
             yield Adjustable(
-                f"{name}_pressure", f"pressure of {name}", "kPa", value, 0.0, FACTOR * value, 0.0,
-                path, "environment",
+                f"{name}_pressure", f"pressure of {name}", "kPa", value, value / FACTOR,
+                FACTOR * value, 0.0, path, "environment",
             )  # fmt: skip
 
 

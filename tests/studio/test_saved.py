@@ -109,6 +109,29 @@ def test_a_problem_with_a_profile_moved_into_the_section_is_a_seal_file(bench, t
     assert (profile.start, profile.interference) == ((0.0, 9.9), pytest.approx(0.1, rel=0.02))
 
 
+FLUID = """\
+[[fluid]]
+edge = ["bulb"]
+from = "end"
+pressure = 3.0
+steps = 2
+[fixed]"""
+
+
+def test_a_seal_file_may_have_every_pressure_of_the_page(tmp_path):
+    text = TEXT.replace("[fixed]", FLUID)
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    (own,) = [own for own in bench.numbers if own.name == "fluid_pressure"]
+    assert (own.low, own.value, own.high) == pytest.approx((1.0, 3.0, 9.0))
+    for pressure in (own.low, own.high):
+        design = changed(bench, fluid_pressure=pressure)
+        state = bench.analyze(design)
+        path, *_ = save_design(bench, design, tmp_path, f"mine_{pressure:g}")
+        result = sm.analyze(sm.build_seal(path))
+        force = np.array(state["curves"][0]["force"])
+        assert np.abs(result.reaction - force).max() <= AGREEMENT * np.abs(force).max()
+
+
 GLUED = """\
 [material.rubber]
 law = "mooney_rivlin"
