@@ -66,6 +66,8 @@ class SelfContact(TermDefinition):
         Edge of every particle, e for none, for friction by pairs of edges.
     pair_of : ndarray of int, shape (e + 1, e + 1), or None
         Group of the friction law by the edges of both sides, -1 where they do not touch each other.
+    axisymmetric : bool
+        Whether the boundaries are those of the section of a body of revolution.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class SelfContact(TermDefinition):
     law: ContactLaw
     edge_of: np.ndarray | None = None
     pair_of: np.ndarray | None = None
+    axisymmetric: bool = False
 
     def __post_init__(self):
         self.law.check(self.label)
@@ -97,7 +100,8 @@ class SelfContact(TermDefinition):
 
     @property
     def where(self) -> MaterialPoints:
-        """Points: the particles of all loops with half the length of the sides at each."""
+        """Points: the particles of all loops with half the length of the sides at each; in a body of
+        revolution the sides are turned about the axis."""
         particles = np.concatenate(self.loops)
         neighbours = np.concatenate(
             [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
@@ -106,7 +110,8 @@ class SelfContact(TermDefinition):
         may = np.zeros(particles.max() + 1, bool)
         may[particles] = self.touching
         neighbours = np.where(may[neighbours], neighbours, particles[:, None])
-        return boundary_particles(particles, neighbours)
+        points = boundary_particles(particles, neighbours)
+        return points.around_axis() if self.axisymmetric else points
 
     @property
     def scalars(self) -> dict:
@@ -193,7 +198,7 @@ class SelfContactTerm(CoupledTerm):
         self.edge_of, self.pair_of = definition.edge_of, definition.pair_of
         self.ring = rings([len(loop) for loop in definition.loops])
         # a point opposite must be this near to be followed before it touches
-        self.near = 4.0 * self.length.max()
+        self.near = 4.0 * self.where.lengths(discretization.particles).max()
         size = float(np.abs(self.reference).max()) * discretization.depth
         self.rounding = definition.law.normal_penalty * size
         self._direction, self._linearized = np.zeros(len(self.where), int), None

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import openmdao.api as om
 import pytest
+from exact_gradients import require_exact
 from ring_files import FOAM, cylinder, made_of, ring
 
 import seal_mdao as sm
@@ -214,3 +215,70 @@ def test_two_fluids_on_one_edge_are_reported(tmp_path, shared):
     result = sm.analyze(sm.build_seal(read(tmp_path, text)))
     assert all(result.response(name).outputs[0, 0] == 1.0 for name in "ab")
     assert shared == any("'a' and 'b' both act on the boundary" in own for own in result.warnings)
+
+
+STACKED_RINGS = """\
+[model]
+kinematics = "axisymmetric"
+[material.rubber]
+law = "neo_hookean"
+c10 = 300.0
+bulk_modulus = 2e3
+[section]
+spacing = {spacing}
+outer = [
+  {{ edge = "base", line = [[{inner}, 0.0], [{outer}, 0.0]] }},
+  {{ edge = "right", line = [[{outer}, 0.0], [{outer}, {low}]] }},
+  {{ edge = "joint", line = [[{outer}, {low}], [{inner}, {low}]] }},
+  {{ edge = "left", line = [[{inner}, {low}], [{inner}, 0.0]] }},
+  {{ body = 2, edge = "under", line = [[{inner}, {high}], [{outer}, {high}]] }},
+  {{ body = 2, edge = "upper", line = [[{outer}, {high}], [{outer}, {top}]] }},
+  {{ body = 2, edge = "top", line = [[{outer}, {top}], [{inner}, {top}]] }},
+  {{ body = 2, edge = "upper_left", line = [[{inner}, {top}], [{inner}, {high}]] }},
+]
+[self_contact]
+edges = ["joint", "under"]
+friction = 0.3
+normal_penalty = {normal}
+tangent_penalty = {tangent}
+[fixed]
+edges = ["base"]
+[[moved]]
+edges = ["top"]
+directions = ["y"]
+stage = [{{ translate = [0.0, {travel}], steps = 2 }}]
+[[design]]
+edges = ["right"]
+parameters = 3
+bound = 0.3
+[[measure]]
+name = "reaction_of_top"
+type = "reaction"
+[[measure]]
+type = "strain_energy"
+"""
+
+
+def stacked_rings(folder, size):
+    """The analysis of two rings that press on each other, with all lengths multiplied by ``size``."""
+    lengths = {
+        "spacing": 1.0, "inner": 10.0, "outer": 16.0, "low": 2.0, "high": 2.05, "top": 4.05,
+        "travel": -0.5,
+    }  # fmt: skip
+    scaled = {name: size * length for name, length in lengths.items()}
+    path = folder / f"rings_{size:g}.toml"
+    path.write_text(STACKED_RINGS.format(**scaled, normal=1e4 / size, tangent=1e3 / size))
+    return sm.analyze(sm.build_seal(path))
+
+
+def test_the_penalty_of_two_rings_in_contact_is_a_pressure_per_penetration(tmp_path):
+    """Lengths twice as large, penalties (kPa/mm) half as large: the pressures are the same, the forces
+    four times, the energies eight times as large."""
+    one, two = (stacked_rings(tmp_path, size) for size in (1.0, 2.0))
+    np.testing.assert_allclose(two.displacement(), 2.0 * one.displacement(), rtol=0.0, atol=1e-11)
+    assert two.reaction_of_top == pytest.approx(4.0 * one.reaction_of_top, rel=1e-11)
+    assert two.strain_energy == pytest.approx(8.0 * one.strain_energy, rel=1e-11)
+
+
+def test_the_contact_of_two_rings_has_exact_derivatives(tmp_path):
+    require_exact(stacked_rings(tmp_path, 1.0), ["reaction_of_top", "strain_energy"], 1e-3)

@@ -247,7 +247,9 @@ class SelfContactTable(Table):
             friction, pair_of = self._by_pairs()
             edge_of = self._edges_of(section, np.concatenate(own))
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, friction, True)
-        return SelfContact(SELF_CONTACT, own, touching, nominal, law, edge_of, pair_of)
+        return SelfContact(
+            SELF_CONTACT, own, touching, nominal, law, edge_of, pair_of, section.body.axisymmetric
+        )
 
     def _by_pairs(self) -> tuple[FrictionByGroup, np.ndarray]:
         """Return the laws of the pairs, that of all others last, and the pair of both edges."""
