@@ -257,9 +257,14 @@ def rates_by_sweep(result, wanted: Wanted, sweep: DirectSweep, by_index: dict) -
 
 def adjoint_gradient(result, wanted: Wanted, names) -> AdjointGradient:
     """Gradients of all wanted measures in the particles and the parameters ``names``, by the adjoint
-    method."""
+    method; NaN for measures with partial derivatives that are NaN."""
     stack = wanted.stack
-    gradient = AdjointSweep(result.path, wanted.probe, stack.count, names).run(stack.seeds)
+    # the sweep multiplies the seeds of all measures with zeros, too, and 0 * NaN = NaN would reach the
+    # others
+    undefined, seeds = stack.undefined, stack.seeds
+    if undefined.any():
+        seeds = {index: own.without(undefined) for index, own in seeds.items()}
+    gradient = AdjointSweep(result.path, wanted.probe, stack.count, names).run(seeds)
     # parameters of measures alone follow those of the terms
     names = (*gradient.names, *(own for own in stack.parameters if own not in gradient.names))
     scalars = np.zeros((len(names), stack.count))
@@ -267,4 +272,6 @@ def adjoint_gradient(result, wanted: Wanted, names) -> AdjointGradient:
     for name, own in stack.parameters.items():
         # direct part in the parameters
         scalars[names.index(name)] += own
-    return AdjointGradient(gradient.particles + stack.particles, names, scalars)
+    particles = gradient.particles + stack.particles
+    particles[undefined], scalars[:, undefined] = np.nan, np.nan
+    return AdjointGradient(particles, names, scalars)

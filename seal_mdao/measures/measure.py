@@ -44,6 +44,19 @@ class Seeds:
             self, displacement=self.displacement[:, particles], gradient=self.gradient[:, particles]
         )
 
+    @property
+    def undefined(self) -> np.ndarray:
+        """Mask of the measures with derivatives in displacements or F that are NaN, shape (M,)."""
+        return np.isnan(self.displacement).any((1, 2)) | np.isnan(self.gradient).any((1, 2))
+
+    def without(self, rows: np.ndarray) -> "Seeds":
+        """Set the derivatives of some measures in displacements and F to zero; ``rows`` is a mask."""
+        kept = ~rows[:, None, None]
+        return replace(
+            self, displacement=np.where(kept, self.displacement, 0.0),
+            gradient=np.where(kept, self.gradient, 0.0),
+        )  # fmt: skip
+
 
 class Partials:
     """Partial derivatives of M measures, zero until they are filled in.
@@ -288,6 +301,13 @@ class Stack:
     seeds: dict
     particles: np.ndarray
     parameters: dict
+
+    @property
+    def undefined(self) -> np.ndarray:
+        """Mask of the measures with partial derivatives that are NaN, such as a stress of inverted
+        material, shape (M,)."""
+        found = np.isnan(self.particles).any((1, 2))
+        return np.any([found, *(own.undefined for own in self.seeds.values())], axis=0)
 
 
 def stacked(parts: list[Partials]) -> Stack:

@@ -5,6 +5,7 @@ import openmdao.api as om
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.measures.measure import Measure
 from seal_mdao.seals.door.door_seal import FURTHER, STANDARD
 
 NAMES = tuple(measure.name for measure in FURTHER)
@@ -36,6 +37,34 @@ def test_the_measures_of_always_do_not_change_with_the_further_ones(random_desig
     for name in ("von_mises", "gap", "reaction"):
         expected, found = alone[name], by_method["adjoint"][name]
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())
+
+
+class Undefined(Measure):
+    """A stress of inverted material: neither the value nor the derivatives are numbers."""
+
+    name = "undefined"
+    scalar = True
+
+    def size(self, seal):
+        return 1
+
+    def evaluate(self, result, partials):
+        partials.gradient()[0, -1] = np.nan
+        return np.nan
+
+
+@pytest.mark.parametrize("method", ["direct", "adjoint"])
+def test_a_measure_without_a_value_leaves_the_derivatives_of_the_others(
+    random_design, by_method, method
+):
+    measures = (Undefined(), *random_design.measures())
+    found = sm.differentiate(random_design, PARAMETERS, measures, method)
+    assert np.isnan(found["undefined"]).all()
+    for name in ("von_mises", "gap", "reaction"):
+        expected = by_method[method][name]
+        np.testing.assert_allclose(
+            found[name], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
+        )
 
 
 def test_values_of_the_drawn_seal(nominal):
