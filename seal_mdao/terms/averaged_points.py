@@ -28,6 +28,10 @@ CORNER = np.cos(np.deg2rad(45.0))
 STRAIGHT = 1e-9
 """Bend h^2 |X''| of an edge over its length, below which it is rounding."""
 
+EQUAL = 1e-6
+"""Relative difference of the bends of both ends of an edge, below which they are equal, as on an arc
+with equal edges: rounding must not decide between them."""
+
 SMOOTH, DUAL, BESIDE_CORNER = 0.5, 1.0, 0.94
 """gamma of other edges, of straight ones at an end, and of those beside a sharp corner.
 
@@ -63,8 +67,8 @@ def averaged_points(
     at_corner = corner | (corner[back] & known)
     bend = np.einsum("mj,mji->mi", factors, nominal[np.column_stack([a, b, c])])
     bend[np.hypot(*bend.T) < STRAIGHT * np.hypot(*(nominal[b] - nominal[a]).T)] = 0.0
-    near, far = _curved(bend, bend[back], inner, inner[back] & known, a < b)
-    near, far = (own & ~at_corner for own in (near, far))
+    near, far = _curved(bend, bend[back], inner, inner[back] & known)
+    near, far = (own * ~at_corner for own in (near, far))
     # h^2 X'' at A by (A, B, C), or at B by (B, A, D)
     one, two = near[:, None] * factors, far[:, None] * factors[back]
     bulge = np.column_stack([one[:, 0] + two[:, 1], one[:, 1] + two[:, 0], one[:, 2], two[:, 2]])
@@ -80,7 +84,7 @@ def averaged_points(
     if axisymmetric:
         # the axis is no end: the mirror image follows, and dual hats have no weight there
         inside = (inner | (nominal[a, 0] == 0.0)) & known
-    straight_end = ~(inside & inside[back]) & ~(near | far)
+    straight_end = ~(inside & inside[back]) & (near + far == 0.0)
     gamma = np.where(straight_end, DUAL, SMOOTH)
     gamma = np.where(at_corner, BESIDE_CORNER, gamma)[:, None]
     fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
@@ -147,14 +151,15 @@ def _curvature(nominal, a, b, c) -> tuple[np.ndarray, np.ndarray]:
     return np.column_stack([-by_b - by_c, by_b, by_c]), inside
 
 
-def _curved(bend, other, smooth, far_smooth, first) -> tuple[np.ndarray, np.ndarray]:
-    """Decide whether an edge has the curvature of its near end A, or of its far end B.
+def _curved(bend, other, smooth, far_smooth) -> tuple[np.ndarray, np.ndarray]:
+    """Weights (m,) of the curvatures of the near end A and of the far end B in that of an edge.
 
-    The smaller one of both, ``bend`` and ``other`` (m, 2), that of the ``first`` end where they are
-    equal; none where both are zero or point to different sides.
+    One for the smaller one of both, ``bend`` and ``other`` (m, 2), a half for each where they are equal;
+    zero where both bends are zero or point to different sides.
     """
     same = np.einsum("mi,mi->m", bend, other) > 0.0
     one, two = np.hypot(*bend.T), np.hypot(*other.T)
-    smaller = (one < two) | ((one == two) & first)
-    near = smooth & (one > 0.0) & (~far_smooth | (same & smaller))
-    return near, far_smooth & (two > 0.0) & (~smooth | (same & ~near))
+    equal = np.abs(one - two) <= EQUAL * np.maximum(one, two)
+    share = np.where(equal, 0.5, one < two)
+    near = (smooth & (one > 0.0)) * np.where(far_smooth, same * share, 1.0)
+    return near, (far_smooth & (two > 0.0)) * np.where(smooth, same * (1.0 - share), 1.0)

@@ -16,11 +16,13 @@ from seal_mdao.errors import KinkWarning
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
 START = "start = [0.0, 14.45]"
+TOP = 13.999889716474971
+"""Height of the contact point at the top, the mean of the sides beside the particle at y = 14, mm."""
 
 
-def bulb(folder, start="start = [0.0, 14.5]", friction=0.25, changed=lambda text: text):
+def bulb(folder, start=f"start = [0.0, {TOP + 0.5!r}]", friction=0.25, changed=lambda text: text):
     """The bulb with coarse particles and a short path; after five steps of 0.1 mm its door is at the
-    top, y = 14, and slides later."""
+    contact point at the top, and slides later."""
     text = BULB.replace("spacing = 0.9", "spacing = 1.6").replace(START, start)
     text = text.replace("[0.0, -6.0]\nsteps = 60", "[0.0, -1.2]\nsteps = 12")
     text = text.replace("[2.0, 0.0]\nrotate = 0.0\nsteps = 20", "[0.2, 0.0]\nsteps = 2")

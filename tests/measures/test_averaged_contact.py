@@ -5,6 +5,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.terms.averaged_points import averaged_points
 
 
 @pytest.fixture(scope="module")
@@ -32,3 +33,20 @@ def test_there_is_a_point_at_every_free_particle(seal):
 def test_the_work_of_a_profile_that_turns_is_refused(result):
     with pytest.raises(ValueError, match="between particles"):
         result.term("door").where.at_particles  # noqa: B018
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_rounding_of_the_particles_does_not_decide_on_the_curvature_of_an_arc(mirrored):
+    """All edges of an arc have the same length and bend: the points are those of the arc elsewhere."""
+    angle = np.linspace(0.2, 2.9, 24)
+    arc = 3.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    number = np.arange(24)
+    neighbours = np.column_stack([np.maximum(number - 1, 0), np.minimum(number + 1, 23)])
+    here = averaged_points(number, neighbours, arc).averages.gauss
+    elsewhere = arc * [-1.0 if mirrored else 1.0, 1.0] + [7.3, -3.1]
+    there = averaged_points(number, neighbours, elsewhere).averages.gauss
+    np.testing.assert_array_equal(here.anchors, there.anchors)
+    np.testing.assert_allclose(here.weights, there.weights, rtol=0.0, atol=1e-12)
+    # between two edges of the arc, both ends give half of the curvature
+    inner = here.weights[20]
+    assert inner[2] == pytest.approx(inner[3], rel=1e-12)
