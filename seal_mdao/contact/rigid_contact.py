@@ -34,7 +34,7 @@ from seal_mdao.contact.rigid_forces import (
 )
 from seal_mdao.errors import GeometryError
 from seal_mdao.geometry.curve import ARC, has_cubics
-from seal_mdao.geometry.motion import Motion, Remembered
+from seal_mdao.geometry.motion import Cached, Motion
 from seal_mdao.geometry.pose import quarter_turn, rigid_velocity
 from seal_mdao.geometry.shape import Shape
 from seal_mdao.terms.linearization import CarriedDirections, directions_of
@@ -158,8 +158,8 @@ class ContactTerm(PointTerm):
         self._gap, self._previous = np.empty((k, 1)), np.zeros(k, np.int64)
         self._through_slip = False
         # both sweeps come back to the steps of the path
-        self.pose = Remembered(self.motion.pose)
-        self.motion_rates = Remembered(self.motion.rates_at)
+        self.pose = Cached(self.motion.pose)
+        self.motion_rates = Cached(self.motion.rates_at)
         self._linearized = ()
         self._speed_varies = has_cubics(self.profile)
         size = float(np.abs(discretization.particles).max())

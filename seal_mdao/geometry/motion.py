@@ -20,7 +20,7 @@ BEFORE = -np.inf
 """Path parameter before all preliminary increments."""
 
 
-class Remembered(dict):
+class Cached(dict):
     """Values of a function of the load parameter, each computed once.
 
     Unlike a function with ``functools.cache`` it can be pickled, as results are by process pools.

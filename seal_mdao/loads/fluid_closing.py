@@ -14,7 +14,7 @@ from seal_mdao.contact.friction import (
 from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.rigid_forces import contact_linearization
-from seal_mdao.geometry.motion import Remembered
+from seal_mdao.geometry.motion import Cached
 
 
 class ClosingRates(NamedTuple):
@@ -56,8 +56,8 @@ class Closing:
         self.curve = self.profile.curve
         # particles of the edge that the profile can touch
         self.touches = np.flatnonzero(np.isin(particles, contact.where.at_particles))
-        self.pose = Remembered(contact.motion.pose)
-        self.motion_rates = Remembered(contact.motion.rates_at)
+        self.pose = Cached(contact.motion.pose)
+        self.motion_rates = Cached(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
         self.n_names = len(names)
 

@@ -135,26 +135,16 @@ class FluidPressure(TermDefinition):
     def among(self, definitions) -> "FluidPressure":
         """Return the fluid with the contacts of these definitions that have the labels of its own."""
         by_label = {own.label: own for own in definitions}
-        contacts = tuple(by_label.get(own.label, own) for own in self.contacts)
-        return replace(self, contacts=contacts)
+        return replace(self, contacts=tuple(by_label[own.label] for own in self.contacts))
 
     def with_parameters(self, values: dict) -> "FluidPressure":
-        """Return the fluid with another pressure, or with other parameters of the profiles."""
-        contacts = tuple(
-            contact.with_parameters(
-                {name: value for name, value in values.items() if name in contact.scalars}
-            )
-            for contact in self.contacts
-        )
-        pressure = values.get(self.own_name, self.pressure)
-        return replace(self, pressure=pressure, contacts=contacts)
+        """Return the fluid with another pressure; the parameters of the profiles are those of
+        ``among``."""
+        return replace(self, pressure=values.get(self.own_name, self.pressure))
 
     def with_ends(self, ends) -> "FluidPressure":
-        """Return the fluid with its ramp and the profiles for other load steps."""
-        return replace(
-            self, ramp=at_ends(np.asarray(self.ramp, float), ends),
-            contacts=tuple(contact.with_ends(ends) for contact in self.contacts),
-        )  # fmt: skip
+        """Return the fluid with its ramp for other load steps."""
+        return replace(self, ramp=at_ends(np.asarray(self.ramp, float), ends))
 
     def point_set(self):
         """Return the particles of the edge and the Gauss points of its sides."""

@@ -36,6 +36,7 @@ import numpy as np
 import scipy
 
 from seal_mdao import values
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.orifice import Flow, orifice_flow
@@ -98,7 +99,7 @@ class VentedAir(TrappedAir):
         Time of the stages with a given duration, in the same form, s; None: there are none.
     motion : Motion, optional
         That of the profile, whose ``timing`` travel and time are; its parameters change them. None
-        where they do not depend on parameters.
+        where travel and time are given.
 
     Raises
     ------
@@ -177,16 +178,14 @@ class VentedAir(TrappedAir):
             | {name: Scalar(0.0, self.motion.unit(name), f"Motion: {name}.") for name in motion}
         )
 
-    def with_parameters(self, values: dict) -> "VentedAir":
-        """Return the air with other parameters, those of the motion included."""
+    def among(self, definitions) -> "VentedAir":
+        """Return the air with travel and time of the first profile of these definitions that travels,
+        and their parameters, unless they are given."""
         if self.motion is None:
-            return super().with_parameters(values)
-        own = {name: value for name, value in values.items() if name in self.motion.names}
-        rest = {name: value for name, value in values.items() if name not in own}
-        return super().with_parameters(rest).timed_by(self.motion.moved(own))
-
-    def timed_by(self, motion: Motion) -> "VentedAir":
-        """Return the air with travel and time of a motion, and its parameters."""
+            return self
+        motions = [own.motion for own in definitions if isinstance(own, RigidContact)]
+        # parameters may have set the travel of all of them to zero
+        motion = next((own for own in motions if own.travel > 0.0), motions[0])
         travel, time = motion.timing
         return replace(self, travel=travel, time=time, motion=motion)
 
@@ -195,8 +194,6 @@ class VentedAir(TrappedAir):
         other = super().with_ends(ends)
         if self.clock is not None:
             return other
-        if self.motion is not None:
-            return other.timed_by(self.motion.with_ends(ends))
         both = {name: np.asarray(getattr(self, name), float) for name in ("travel", "time")}
         return replace(other, **{name: at_ends(own, ends) for name, own in both.items()})
 

@@ -257,7 +257,8 @@ class Seal:
 
     @cached_property
     def _terms(self) -> tuple:
-        return tuple(self._applied(definition) for definition in self.definitions)
+        applied = tuple(self._applied(definition) for definition in self.definitions)
+        return tuple(own.among(applied) for own in applied)
 
     def terms(self) -> tuple:
         """Definitions of all terms of equilibrium, in the order in which they are summed."""

@@ -12,7 +12,6 @@ from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.file_optimization import design_bounds
 from seal_mdao.geometry.motion import Motion
 from seal_mdao.loads.moved_edges import ImposedMotions
-from seal_mdao.loads.vented_air import VentedAir
 from seal_mdao.materials.hardness import LEAST_SHORE, MOST_SHORE
 from seal_mdao.seals.file.file_tables import MOVING, SealFile
 from seal_mdao.seals.profiles import moved_edges
@@ -101,15 +100,6 @@ def with_handles(seal: Seal, file: SealFile) -> Seal:
         imposed = ImposedMotions(tuple(map(changed, imposed.edges)))
     definitions = tuple(
         changed(own) if isinstance(own, RigidContact) else own for own in seal.definitions
-    )
-    # the time of vented air is that of the first profile that travels
-    contacts = [own for own in definitions if isinstance(own, RigidContact)]
-    leading = next((own.motion for own in contacts if own.motion.travel > 0.0), None)
-    definitions = tuple(
-        own.timed_by(leading)
-        if isinstance(own, VentedAir) and own.clock is None and own.closing_speed is not None
-        else own
-        for own in definitions
     )
     return replace(seal, definitions=definitions, imposed_displacements=imposed)
 

@@ -128,9 +128,8 @@ class CavityTable(Table):
         given = {name: getattr(self, name) for name in VENTS if getattr(self, name) is not None}
         if environment is None or environment.time is None:
             motions = (contact.motion for contact in section.contacts)
-            given["travel"], given["time"] = next(
-                motion.timing for motion in motions if motion.travel > 0.0
-            )
+            given["motion"] = next(motion for motion in motions if motion.travel > 0.0)
+            given["travel"], given["time"] = given["motion"].timing
         return VentedAir(
             sealed.label, sealed.ring, sealed.pressure, sealed.gamma, environment, **given
         )
