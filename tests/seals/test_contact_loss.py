@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from seal_file import block_files
 from two_profiles import two_profiles
 
 import seal_mdao as sm
@@ -144,7 +145,9 @@ def test_stages_close_unless_they_lead_back():
 
 def test_a_profile_that_stands_still_has_the_stages_of_moved_edges(tmp_path):
     """A strip is pressed against it, and then lifted: only a stage of pressing can lose the contact."""
-    (tmp_path / "strip.toml").write_text(STRIP)
+    (tmp_path / "strip.toml").write_text(
+        block_files.BLOCK.format(bulk=2000.0, spacing=1.0) + MOVED_UNDER_PLATE
+    )
     result = sm.analyze(sm.build_seal(sm.read_seal_file(tmp_path / "strip.toml")))
     assert result.converged, result.failure
     touching = [own.branch.any() for own in result.path.responses("plate")]
@@ -152,19 +155,7 @@ def test_a_profile_that_stands_still_has_the_stages_of_moved_edges(tmp_path):
     assert lost(result) == ()
 
 
-STRIP = """\
-[material.rubber]
-law = "neo_hookean"
-c10 = 100.0
-bulk_modulus = 2000.0
-[section]
-material = "rubber"
-spacing = 1.0
-outer = [
-  { edge = "base", line = [[-4, 0], [4, 0]] }, { edge = "right", line = [[4, 0], [4, 4]] },
-  { edge = "top", line = [[4, 4], [-4, 4]] }, { edge = "left", line = [[-4, 4], [-4, 0]] },
-]
-[[moved]]
+MOVED_UNDER_PLATE = """[[moved]]
 edges = ["base"]
 stage = [{ translate = [0.0, 0.4], steps = 4 }, { translate = [0.0, -0.35], steps = 4 }]
 [[profile]]

@@ -4,24 +4,14 @@ import pickle
 
 import numpy as np
 import pytest
+from seal_file.block_files import BLOCK, FIXED
 
 import seal_mdao as sm
 
-BLOCK = """\
-[material.rubber]
-law = "neo_hookean"
-c10 = 100.0
-bulk_modulus = 2000.0
-[section]
-material = "rubber"
-spacing = 1.0
-outer = [
-  { edge = "base", line = [[-4, 0], [4, 0]] }, { edge = "right", line = [[4, 0], [4, 4]] },
-  { edge = "top", line = [[4, 4], [-4, 4]] }, { edge = "left", line = [[-4, 4], [-4, 0]] },
-]
-[fixed]
-edges = ["base"]
-[[profile]]
+PRESSED = (
+    BLOCK.format(bulk=2000.0, spacing=1.0)
+    + FIXED
+    + """[[profile]]
 name = "plate"
 contact = ["top"]
 line = [[-40.0, 4.0], [40.0, 4.0]]
@@ -36,11 +26,12 @@ type = "reaction"
 profile = "plate"
 component = "y"
 """
+)
 
 
 @pytest.mark.parametrize("keep_factors", [False, True])
 def test_a_pickled_result_gives_the_same_bits(tmp_path, keep_factors):
-    (tmp_path / "seal.toml").write_text(BLOCK)
+    (tmp_path / "seal.toml").write_text(PRESSED)
     seal = sm.build_seal(tmp_path / "seal.toml")
     result = sm.analyze(seal, keep_factors=keep_factors)
     assert result.converged, result.failure
@@ -60,6 +51,6 @@ def test_a_pickled_result_gives_the_same_bits(tmp_path, keep_factors):
 @pytest.mark.parametrize("method", ["direct", "adjoint"])
 def test_derivatives_with_respect_to_nothing(tmp_path, method):
     """A seal without a design has no inputs: the rows are empty."""
-    (tmp_path / "seal.toml").write_text(BLOCK)
+    (tmp_path / "seal.toml").write_text(PRESSED)
     result = sm.analyze(sm.build_seal(tmp_path / "seal.toml"))
     assert sm.differentiate(result, method=method)["reaction"].shape == (1, 0)
