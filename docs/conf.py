@@ -31,11 +31,11 @@ import seal_file_tables  # noqa: E402
 from figures import limits  # noqa: E402
 
 import seal_mdao  # noqa: E402
-from seal_mdao import stored_choice  # noqa: E402
+from seal_mdao import user_cache  # noqa: E402
 from seal_mdao.seals.file import json_schema  # noqa: E402
 
 # scripts and notebooks show the choice of load steps and penalties, which commands would store
-os.environ[stored_choice.FOLDER] = ""
+os.environ[user_cache.FOLDER] = ""
 
 # ---- what is made before the pages are read ----
 

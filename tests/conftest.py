@@ -13,9 +13,10 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.cli.arguments import run as run_command
 from seal_mdao.cli.subcommands import COMMANDS
-from seal_mdao.stored_choice import FOLDER
+from seal_mdao.user_cache import FOLDER
 
-# commands of the tests, also in other processes, choose load steps and penalties themselves
+# commands of the tests, also in other processes, choose load steps and penalties and fill sections
+# themselves
 os.environ[FOLDER] = ""
 
 

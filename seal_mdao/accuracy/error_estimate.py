@@ -142,6 +142,8 @@ def estimate_errors(
             "numerical errors can be estimated for the nominal section only, but this result has "
             "boundary offsets; export the design as a seal file and analyse that file"
         )
+    # errors by the penalties by the direct method: the same bits with and without known gradients
+    result = replace(result, gradients=None)
     paths = ComparedPaths(file, result, callback)
     found = {}
     for measure in standard_measures(result):

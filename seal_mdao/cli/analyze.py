@@ -125,7 +125,19 @@ def analyzed(file, report: Callable | None = None) -> tuple[sm.SealFile, SealRes
     with file_errors(file.path), LoadStepProgress(seal) as progress:
         # factors are reused by the adjoint gradients of the measures
         result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
-    return file, result, time.perf_counter() - begun
+    wall = time.perf_counter() - begun
+    return file, differentiated(result), wall
+
+
+def differentiated(result: SealResult) -> SealResult:
+    """Return a result with the gradients of its measures, where it is completed and has measures."""
+    if not result.converged or not result.seal.standard:
+        return result
+    with warnings.catch_warnings():
+        # one-sided derivatives concern those who change the design
+        if result.seal.n_offsets == 0:
+            warnings.simplefilter("ignore", sm.KinkWarning)
+        return result.with_gradients()
 
 
 def errors_of(file, result: SealResult) -> dict:
@@ -233,7 +245,7 @@ def at_profile(result: SealResult, history: ProfileHistory) -> dict:
 
 
 def measured(result: SealResult) -> dict:
-    """Evaluate every measure of the file: value, unit, and gradient by the adjoint method.
+    """Evaluate every measure of the file: value, unit, and gradient of a result that has them.
 
     The norm is that of the derivatives in the design parameters (per mm); those in material constants,
     friction and penalties are named one by one.
@@ -245,16 +257,9 @@ def measured(result: SealResult) -> dict:
     # evaluation points of the measures from this result
     chosen = frozen_measures(seal, None, lambda nominal: result)
     chosen = tuple(measure for measure in chosen if not is_empty(measure, seal))
-    # scalar parameters: material constants, friction, penalties
-    names = tuple(seal.scalars)
-    with warnings.catch_warnings():
-        # one-sided derivatives concern those who change the design
-        if seal.n_offsets == 0:
-            warnings.simplefilter("ignore", sm.KinkWarning)
-        gradients = sm.differentiate(result, names, chosen, "adjoint")
     found = dict.fromkeys(measure.name for measure in seal.standard)
     for measure in chosen:
-        value, rows = result.value(measure), np.atleast_2d(gradients[measure.name])
+        value, rows = result.value(measure), np.atleast_2d(result.gradients[measure.name])
         # one norm per row over the boundary offsets
         norms = np.linalg.norm(rows[:, : seal.n_offsets], axis=1)
         one = value.size == 1
@@ -262,10 +267,10 @@ def measured(result: SealResult) -> dict:
             "value": value[0] if one else value,
             "unit": seal.units.of(measure.units),
             "gradient_norm": (norms[0] if one else norms) if seal.n_offsets else None,
-            # scalar parameters follow the offsets in a row
+            # scalar parameters (material constants, friction, penalties) follow the offsets in a row
             "derivatives": {
                 name: rows[0, seal.n_offsets + i] if one else rows[:, seal.n_offsets + i]
-                for i, name in enumerate(names)
+                for i, name in enumerate(seal.scalars)
             },
         }
         if seal.units.is_ring_force(measure.units):

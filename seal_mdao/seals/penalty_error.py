@@ -1,7 +1,8 @@
 """Error of every measure by the contact penalties, estimated from exact derivatives.
 
 With a penalty w a measure m errs by m(w) - m(infinity) = c/w + O(1/w^2). Its derivative in w is
--c/w^2, so the error is -w dm/dw: one direct sweep with as many right-hand sides as there are penalties.
+-c/w^2, so the error is -w dm/dw: one direct sweep with as many right-hand sides as there are penalties,
+or none where the result has the ``gradients`` of its measures.
 """
 
 from dataclasses import dataclass
@@ -130,18 +131,26 @@ def penalty_errors(result, measures=None, scales=None) -> dict[str, PenaltyError
     if not own:
         return {}
     measures = standard_measures(result) if measures is None else tuple(measures)
-    # direct method: one right-hand side per penalty, dm/dw for all measures
-    names = tuple(penalty.name for penalty in own)
-    wanted = Wanted(result, measures)
-    none = np.zeros((0, *result.particles.shape))
-    rates = direct_rates(result, wanted, parameter_rates(none, names))
-    found = {}
-    for measure, slopes in zip(measures, wanted.by_name(rates).values(), strict=True):
+    rows, found = _slopes(result, measures, tuple(penalty.name for penalty in own)), {}
+    for measure in measures:
+        slopes = rows[measure.name]
         # m(w) - m(infinity) = -w dm/dw
         parts = {p.name: -p.value * slopes[:, i] for i, p in enumerate(own)}
         scale = scale_of(measure, result) if scales is None else scales[measure.name]
         found[measure.name] = PenaltyError(np.sum(list(parts.values()), axis=0), parts, scale)
     return found
+
+
+def _slopes(result, measures, names) -> dict:
+    """Derivatives dm/dw in the penalties ``names``, shape (m, n), by the names of the measures."""
+    known = result.gradients
+    if known is not None:
+        columns = [known.parameters.index(name) for name in names]
+        return {own.name: np.atleast_2d(known[own.name])[:, columns] for own in measures}
+    # direct method: one right-hand side per penalty, dm/dw for all measures
+    wanted = Wanted(result, measures)
+    none = np.zeros((0, *result.particles.shape))
+    return wanted.by_name(direct_rates(result, wanted, parameter_rates(none, names)))
 
 
 def standard_measures(result) -> tuple[Measure, ...]:

@@ -14,6 +14,7 @@ from seal_mdao.analysis.cost import Cost, analysis_cost, announce, require_means
 from seal_mdao.analysis.load_path import PathState, solve_path
 from seal_mdao.analysis.path_result import ConvergedStep, PathResult, Status
 from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.dsa.sensitivity import Sensitivities, sensitivities
 from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import GeometryError, LoadPathError
@@ -65,12 +66,16 @@ class SealResult:
         mm; None when the result was computed from particles.
     placed : tuple of Measure
         Measures with other evaluation points than those of this seal's nominal design (``at``).
+    gradients : Sensitivities, or None
+        Derivatives of the standard measures and of the force on every profile in the boundary offsets
+        and all scalar parameters, where they were computed (``with_gradients``).
     """
 
     seal: Seal
     path: PathResult
     boundary_offsets: np.ndarray | None = None
     placed: tuple = ()
+    gradients: Sensitivities | None = None
 
     def __repr__(self) -> str:
         # arrays would fill thousands of lines
@@ -160,12 +165,27 @@ class SealResult:
         self.require_converged()
         return penalty_error.penalty_errors(self)
 
+    def with_gradients(self) -> "SealResult":
+        """Return this completed result with its ``gradients``, by the adjoint method; estimates of
+        penalty errors follow from them without another sweep.
+
+        Warns
+        -----
+        KinkWarning
+            As ``differentiate``.
+        """
+        self.require_converged()
+        measures = penalty_error.standard_measures(self)
+        found = sensitivities(self, tuple(self.seal.scalars), measures, "adjoint")
+        return replace(self, gradients=found)
+
     def up_to_each_step(self):
         """Yield the results of the paths that end with each of the nominal steps, in order."""
         # halved steps between two nominal ones end no partial path
         for count, step in enumerate(self.path.steps, 1):
             if step.nominal >= 0:
-                yield replace(self, path=replace(self.path, steps=self.path.steps[:count]))
+                path = replace(self.path, steps=self.path.steps[:count])
+                yield replace(self, path=path, gradients=None)
 
     @cached_property
     def critical_points(self) -> tuple[Instability, ...]:

@@ -12,7 +12,7 @@ from cord_files import cord
 from round_tip import PRESSED_TIP
 
 import seal_mdao as sm
-from seal_mdao import registry, stored_choice
+from seal_mdao import registry, user_cache
 from seal_mdao.accuracy import chosen_spacing
 from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
@@ -429,7 +429,7 @@ def test_wrong_arguments(arguments, text, tmp_path, monkeypatch, capsys):
 def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys, monkeypatch):
     """They are known without ``--errors``, and the choice is in the summary. A second command on the
     same file has the same, without trying clouds; ``refine`` tries them again."""
-    monkeypatch.setenv(stored_choice.FOLDER, str(tmp_path / "choices"))
+    monkeypatch.setenv(user_cache.FOLDER, str(tmp_path / "choices"))
     monkeypatch.setattr(registry, "_registered", {})
     path, out = accurate(tmp_path, '{ reaction = "3 %" }', "spacing = 0.6"), tmp_path / "out"
     assert main(["analyze", str(path), "--no-vtu", "--out", str(out)]) == 0

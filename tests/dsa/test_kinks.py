@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.cli.analyze import measured
+from seal_mdao.cli.analyze import differentiated, measured
 from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
 from seal_mdao.dsa.contact_kinks import contact_states, warn_of_kinks
@@ -78,14 +78,14 @@ def test_a_jump_of_the_derivative_is_reported_with_contact_step_and_points(kinke
 def test_a_summary_without_design_parameters_has_no_warning(kinked, tmp_path):
     """Derivatives in material constants are written, too; who changes no design needs no advice."""
     with pytest.warns(KinkWarning):
-        measured(sm.analyze(kinked))
+        differentiated(sm.analyze(kinked))
     fixed = bulb(tmp_path, changed=_without_design)
     result = sm.analyze(fixed)
     with pytest.warns(KinkWarning):
         sm.differentiate(result)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = measured(result)["measures"]
+        found = measured(differentiated(result))["measures"]
     assert found
     assert all(own["value"] is not None for own in found.values())
 

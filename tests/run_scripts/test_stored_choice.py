@@ -9,7 +9,7 @@ import pytest
 from coarse_seal import OPEN, written
 
 import seal_mdao as sm
-from seal_mdao import registry, stored_choice
+from seal_mdao import registry, stored_choice, user_cache
 from seal_mdao.cli import seal_files
 from seal_mdao.seals.file import build
 from seal_mdao.studio.workbench import Workbench
@@ -21,7 +21,7 @@ STORED = "(by an earlier command)"
 def choices(tmp_path, monkeypatch):
     """Folder of stored choices of one test, in which no extensions are registered."""
     folder = tmp_path / "choices"
-    monkeypatch.setenv(stored_choice.FOLDER, str(folder))
+    monkeypatch.setenv(user_cache.FOLDER, str(folder))
     monkeypatch.setattr(registry, "_registered", {})
     return folder
 
@@ -37,6 +37,11 @@ def made(monkeypatch):
 
     monkeypatch.setattr(build, "choose", counted)
     return found
+
+
+def stored(folder):
+    """Choices in a folder."""
+    return sorted(folder.glob("choice-*"))
 
 
 def seal_of(path):
@@ -67,7 +72,7 @@ def test_a_changed_file_is_another_choice(tmp_path, choices, made):
     seal_of(written(tmp_path, OPEN))
     seal_of(written(tmp_path, OPEN | {"[0.0, -1.2]": "[0.0, -1.1]"}))
     assert len(made) == 2
-    assert len(list(choices.iterdir())) == 2
+    assert len(stored(choices)) == 2
 
 
 def test_a_changed_drawing_is_another_choice(tmp_path, choices, made, monkeypatch):
@@ -88,7 +93,7 @@ def test_other_code_is_another_choice(tmp_path, choices, made, monkeypatch):
         package = tmp_path / f"package_{number}"
         package.mkdir()
         (package / "new.py").write_text(f"constant = {number}\n")
-        monkeypatch.setattr(stored_choice, "PACKAGE", package)
+        monkeypatch.setattr(user_cache, "PACKAGE", package)
         seal_of(path)
     assert len(made) == 3
     seal_of(path)
@@ -101,11 +106,11 @@ def test_nothing_is_stored_with_extensions(tmp_path, choices, made):
     for _ in range(2):
         seal_of(path)
     assert len(made) == 2
-    assert not choices.exists()
+    assert not stored(choices)
 
 
 def test_nothing_is_stored_without_a_folder(tmp_path, choices, made, monkeypatch):
-    monkeypatch.setenv(stored_choice.FOLDER, "")
+    monkeypatch.setenv(user_cache.FOLDER, "")
     path = written(tmp_path, OPEN)
     for _ in range(2):
         seal_of(path)
@@ -132,7 +137,7 @@ def test_steps_with_a_larger_error_are_chosen_again(tmp_path, choices, made, mon
 def test_a_damaged_file_is_replaced(tmp_path, choices, made, content):
     path = written(tmp_path, OPEN)
     seal_of(path)
-    (own,) = choices.iterdir()
+    (own,) = stored(choices)
     whole = own.read_text()
     own.write_bytes(content.encode(errors="surrogateescape"))
     seal_of(path)
@@ -155,7 +160,7 @@ def test_unused_choices_are_deleted(tmp_path, choices):
     now = time.time()
     for path, age in zip(paths, (1.1, 0.9), strict=True):
         path.write_text("{}")
-        os.utime(path, (now, now - age * stored_choice.UNUSED))
+        os.utime(path, (now, now - age * user_cache.UNUSED))
     seal_of(written(tmp_path, OPEN))
     assert [path.exists() for path in paths] == [False, True]
 
@@ -163,10 +168,10 @@ def test_unused_choices_are_deleted(tmp_path, choices):
 def test_reading_a_choice_counts_as_use(tmp_path, choices):
     path = written(tmp_path, OPEN)
     seal_of(path)
-    (own,) = choices.iterdir()
+    (own,) = stored(choices)
     os.utime(own, (0.0, 0.0))
     seal_of(path)
-    assert time.time() - own.stat().st_mtime < stored_choice.UNUSED
+    assert time.time() - own.stat().st_mtime < user_cache.UNUSED
 
 
 def test_files_that_leave_nothing_open_store_nothing(tmp_path, choices, made):
@@ -174,7 +179,7 @@ def test_files_that_leave_nothing_open_store_nothing(tmp_path, choices, made):
     seal_of(path)
     Workbench(path, report=lambda text: None, watch=lambda: None)
     assert not made
-    assert not choices.exists()
+    assert not stored(choices)
 
 
 def test_the_live_section_takes_the_choice_of_a_command(tmp_path, choices, made):

@@ -286,3 +286,18 @@ def test_larger_penalties_are_not_asked_for_where_they_were_chosen():
     (told,) = [line for line in result.warnings if "permit penetration" in line]
     assert "larger penalties" not in told
     assert "than those chosen" in told
+
+
+def test_gradients_contain_the_errors(solid, monkeypatch):
+    """A result with gradients has the errors of the direct method without another sweep."""
+    direct = pressed(solid, 1e5, 1e4)
+    known = direct.with_gradients()
+    expected = direct.penalty_error
+    monkeypatch.setattr("seal_mdao.seals.penalty_error.direct_rates", None)
+    assert known.penalty_error.keys() == expected.keys()
+    for name, found in known.penalty_error.items():
+        assert found.scale == expected[name].scale
+        for penalty, part in found.by_penalty.items():
+            assert part == pytest.approx(expected[name].by_penalty[penalty], rel=1e-9, abs=1e-12)
+    # those at the end of the path are not those of its parts
+    assert all(part.gradients is None for part in known.up_to_each_step())
