@@ -19,8 +19,8 @@ class ResultUnits(NamedTuple):
     per_100_mm : float
         Factor from a force to N per 100 mm of the seal, of a ring along its mean circumference.
     radius : float or None
-        Radius at which the circumference of a ring is taken: the mean one of its undeformed particles,
-        mm; None in plane strain.
+        Radius at which the circumference of a ring is taken: that of the centroid of its undeformed
+        section, mm; None in plane strain.
     """
 
     force: str
@@ -69,6 +69,12 @@ def result_units(body) -> ResultUnits:
     """Return the units of the results of a ``Body``."""
     if not body.axisymmetric:
         return PLANE
-    # mean radius R of the boundary and inner particles, circumference 2 pi R
-    radius = float(body.nominal[:, 0].mean())
+    # centroid of all cells by the sides of their polygons, with c = r_i y_(i+1) - r_(i+1) y_i:
+    # R = int r dA / int dA = sum (r_i + r_(i+1)) c / (3 sum c),  circumference 2 pi R
+    r, y = np.moveaxis(body.nominal[body.cells], 2, 0)
+    after = np.roll(r, -1, axis=1)
+    cross = r * np.roll(y, -1, axis=1) - after * y
+    radius = ((r + after) * cross).sum() / (3.0 * cross.sum())
+    # without the rounding of sums, rings of one section on different particles have one circumference
+    radius = float(f"{radius:.12g}")
     return ResultUnits("N", "mJ", 100.0 / (2.0 * np.pi * radius), radius)

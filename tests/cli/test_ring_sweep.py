@@ -10,11 +10,13 @@ import seal_mdao as sm
 from seal_mdao.cli.subcommands import main
 
 
-def swept(tmp_path, monkeypatch, *vary):
-    """Sweep a ring; return the figures by their names, the rows of both tables, and the seal."""
+def swept(tmp_path, monkeypatch, *vary, text=None):
+    """Sweep a ring, or that of a seal file's ``text``; return the figures by their names, the rows of
+    both tables, and the seal."""
     pytest.importorskip("netgen")
     path, out, drawn = tmp_path / "ring.toml", tmp_path / "out", {}
-    path.write_text(ring() + '[[measure]]\ntype = "reaction"\n', encoding="utf-8")
+    own = ring() if text is None else text
+    path.write_text(own + '[[measure]]\ntype = "reaction"\n', encoding="utf-8")
     monkeypatch.setattr("seal_mdao.plotting.save", lambda own, path: drawn.update({path.name: own}))
     assert main(["sweep", str(path), "--vary", *vary, "--out", str(out)]) == 0
     tables = []
@@ -26,7 +28,9 @@ def swept(tmp_path, monkeypatch, *vary):
 
 def test_forces_of_a_ring_are_per_mm_of_its_circumference_too(tmp_path, monkeypatch):
     drawn, rows, curves, seal = swept(tmp_path, monkeypatch, "friction", "0.1,0.3")
-    circumference = 2.0 * np.pi * seal.nominal_particles[:, 0].mean()
+    # the section is a rectangle from r = 3 to 5 mm
+    circumference = 2.0 * np.pi * 4.0
+    assert seal.units.radius == 4.0
     assert len(rows) == 2
     for row in rows:
         for name in ("plate_Fx", "plate_Fy"):
@@ -52,8 +56,12 @@ def test_forces_of_a_ring_are_per_mm_of_its_circumference_too(tmp_path, monkeypa
 
 
 def test_rings_of_different_circumference_have_panels_of_their_own(tmp_path, monkeypatch):
-    """The mean radius of the particles changes with their spacing."""
-    drawn, rows, _, _ = swept(tmp_path, monkeypatch, "section.spacing", "0.5,0.6")
+    """The section within the chords of an arc changes with their length."""
+    side = "line = [[5.0, 0.0], [5.0, 2.0]]"
+    arc = "arc = { start = [5.0, 0.0], through = [5.5, 1.0], end = [5.0, 2.0] }"
+    text = ring().replace(side, arc)
+    assert text != ring()
+    drawn, rows, _, _ = swept(tmp_path, monkeypatch, "section.spacing", "0.35,0.6", text=text)
     titles = {axes.get_title(loc="left"): axes for axes in drawn["measures.png"].axes}
     force = "axial force on plate"
     assert {f"{force} (N)", f"{force} (N per mm)"} <= set(titles)
