@@ -1,11 +1,13 @@
 """Air in a hole with vents: air that leaves while the seal closes does not return.
 
-    p = p_a ((M / V)^gamma - 1),    dM/dt = -C_d a c Phi(M / V),    c = sqrt(2 p_a / rho_a) = sqrt(2 R T)
+    p = p_a ((M / V)^gamma - 1),    dM/dt = -C_d a c Phi(M / V),
+    c = sqrt(2 p_a / rho_a) = sqrt(2 R T_0)
 
-with M the mass of the air over its density outside, V0 at the start, a the area of the vents and Phi of
-``orifice``. A load step takes the time in which the profile travels, or its part of a given duration;
-beside materials that relax, the time of their path (``terms.ramp.StageTimes``). Over it the mass follows
-by backward Euler. In the fraction of the mass m = M / V0 and y = ln(M / V) that is
+with M the mass of the air over its density rho_a at the start, V0 at the start, T_0 its absolute
+temperature there, a the area of the vents and Phi of ``orifice``. A load step takes the time in which
+the profile travels, or its part of a given duration; beside materials that relax, the time of their path
+(``terms.ramp.StageTimes``). Over it the mass follows by backward Euler. In the fraction of the mass
+m = M / V0 and y = ln(M / V) that is
 
     F(y) = V / V0 exp(y) - m_n + kappa Phi(y) = 0,    kappa = C_d a c dt / V0
 
@@ -41,6 +43,7 @@ from seal_mdao.geometry.motion import Motion
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.orifice import Flow, orifice_flow
 from seal_mdao.loads.trapped_air import TrappedAir, TrappedAirTerm
+from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.structure.environment import AXIAL_STRETCH, TEMPERATURE
 from seal_mdao.terms.coupled_term import CoupledResponse, LocalMap
 from seal_mdao.terms.ramp import StageTimes, at_ends, at_fraction
@@ -52,17 +55,19 @@ SHARP_EDGED = 0.61
 GAS_CONSTANT = 287.05
 """Of air, J/(kg K)."""
 
-START_TEMPERATURE = 293.15
-"""Of the air at the start, K."""
-
-VELOCITY = 1e3 * math.sqrt(2.0 * GAS_CONSTANT * START_TEMPERATURE)
-"""c = sqrt(2 p_a / rho_a), mm/s."""
+START_TEMPERATURE = 23.0
+"""Of the air at the start where the environment has no temperature, degrees Celsius."""
 
 # relative error of y, the least that the solver takes
 _PRECISION = 4.0 * np.finfo(float).eps
 _NO_BRANCH = np.empty(0, int)
 # the mass is the variable of the first point
 _MASS = 0
+
+
+def outflow_velocity(temperature: float) -> float:
+    """Compute c = sqrt(2 p_a / rho_a) = sqrt(2 R T) of air at a temperature (degrees Celsius), mm/s."""
+    return 1e3 * math.sqrt(2.0 * GAS_CONSTANT * (temperature - ABSOLUTE_ZERO))
 
 
 class AirHistory(NamedTuple):
@@ -157,6 +162,12 @@ class VentedAir(TrappedAir):
                 f"the vented air {self.label!r} has a travel but no closing_speed; give the speed "
                 "of the profile in mm/s"
             )
+
+    @property
+    def start_temperature(self) -> float:
+        """Temperature of the air at the start, inside and outside, degrees Celsius."""
+        given = None if self.environment is None else self.environment.temperature
+        return START_TEMPERATURE if given is None else given.start
 
     @property
     def scalars(self) -> dict:
@@ -261,7 +272,8 @@ class VentedAirTerm(TrappedAirTerm):
             self.area_by_reference = self.orientation * by_index
         # pi d^2 / (4 s): area of the vents per length of the strip, mm
         area = 0.25 * math.pi * definition.vent_diameter**2 / definition.vent_spacing
-        self.conductance = definition.discharge_coefficient * area * VELOCITY
+        velocity = outflow_velocity(definition.start_temperature)
+        self.conductance = definition.discharge_coefficient * area * velocity
         # d ln(C_d a) of coefficient, diameter and spacing
         vents = definition.discharge_coefficient, definition.vent_diameter, definition.vent_spacing
         powers = {"discharge_coefficient": 1.0, "vent_diameter": 2.0, "vent_spacing": -1.0}
