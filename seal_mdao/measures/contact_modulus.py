@@ -4,12 +4,16 @@ from functools import cached_property
 
 import numpy as np
 
+from seal_mdao.materials.hoop_stretch import is_isochoric
+
 
 class ContactModulus:
     """Compute the modulus 4 G of the contact points of a profile, kPa.
 
     It is the plane strain modulus E / (1 - nu^2) of incompressible rubber at small strain, nu = 1/2.
-    Of a compressible foam, for which it is 2 G / (1 - nu), it is up to twice too large.
+    With the factor m of the moduli and the growth theta after the last load step, G is m G_0 / theta^3
+    of a nearly incompressible law, whose constants are per volume before growth, and m G_0 of a foam. Of
+    a foam, for which the modulus is 2 G / (1 - nu), it is up to twice too large.
 
     Parameters
     ----------
@@ -34,18 +38,25 @@ class ContactModulus:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """4 m G at the contact points, shape (k,), kPa."""
+        """4 G at the contact points, shape (k,), kPa."""
         return self.shares @ [
             4.0 * self._factor(region)[0] * region.material.shear_modulus for region in self.regions
         ]
 
     def _factor(self, region):
-        """Factor m of the moduli after the last load step, and its derivatives by parameter."""
+        """Ratio of G to that of the law after the last load step, and its derivatives by parameter."""
         own = self.structure.conditions(region, [self.fraction])
         if own.conditions is None:
             return 1.0, {}
-        rates = {name: float(by_name[2].item()) for name, by_name in own.rates.items()}
-        return float(own.conditions.factor.item()), rates
+        factor, growth = own.conditions.factor.item(), own.conditions.growth.item()
+        power = 3 if is_isochoric(region.material) else 0
+        # r = m / theta^n:  dr = (dm - n m dtheta / theta) / theta^n
+        rates = {
+            name: float(by_name[2].item() - power * factor / growth * by_name[1].item())
+            / growth**power
+            for name, by_name in own.rates.items()
+        }
+        return factor / growth**power, rates
 
     def add_partials(self, partials, row: int, by_modulus: np.ndarray) -> None:
         """Add derivatives in the parameters of a function with derivatives ``by_modulus`` (k,)."""
@@ -55,7 +66,7 @@ class ContactModulus:
             slopes = region.material.constant_derivatives(np.array(2.0), np.array(1.0))[:, 0]
             for name, slope in zip(region.names, slopes, strict=True):
                 partials.parameter(name)[row] += on_region * 8.0 * factor * slope
-            # 4 G dm/dp
+            # 4 G_0 dr/dp
             for name, rate in rates.items():
                 stiffness = 4.0 * region.material.shear_modulus
                 partials.parameter(name)[row] += on_region * stiffness * rate

@@ -10,6 +10,8 @@ from ring_files import ring
 
 import seal_mdao as sm
 from seal_mdao.geometry.polygon import polygon_area
+from seal_mdao.materials.stretch_and_growth import Conditions, derivatives
+from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 
 HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
@@ -342,3 +344,23 @@ def test_values_of_rubber_are_not_warned_about(tmp_path):
     assert not seal.warnings
     # parameters that are changed later are looked at, too
     assert "shear modulus of 0.8 kPa" in seal.with_parameters({"c10": 0.3, "c01": 0.1}).warnings[0]
+
+
+@pytest.mark.parametrize("kind", ["rubber", "foam"])
+def test_modulus_in_contact_is_that_of_the_heated_and_swollen_material(tmp_path, kind):
+    """4 G with the shear modulus 2 W_T theta^2 / theta^3 of the law at the stretches of free growth."""
+    result = sm.analyze(exact_seal(tmp_path, LONG if kind == "rubber" else foam(LONG)))
+    (region,) = result.term("structure").definition.regions
+    theta, factor = (1.0 + 5e-4 * 67.0) * np.cbrt(1.06), (90.0 + 273.15) / 296.15
+    grown = Conditions(*np.full((3, 1), [[theta], [theta], [factor]]))
+    # long section: W per length theta of the stretched section, so P = theta W_T F per unit of its own
+    square, ratio = np.array([2.0 * theta**2]), np.array([theta**2])
+    w_t = theta * derivatives(region.material, (square, ratio), grown)[0]
+    modulus = (4.0 * 2.0 * w_t * theta**2 / theta**3).item()
+    np.testing.assert_allclose(ContactModulus(result, "lid").values, modulus, rtol=1e-12)
+    if kind == "rubber":
+        given = LONG.replace('"leak_rate"\n', f'"leak_rate"\nmodulus = {modulus!r}\n')
+        assert 0.0 < result.leak_rate < np.inf
+        assert sm.analyze(exact_seal(tmp_path, given)).leak_rate == pytest.approx(
+            result.leak_rate, rel=1e-9
+        )
