@@ -12,7 +12,7 @@ from seal_mdao.calibration.data import MaterialDataError, MaterialTests
 from seal_mdao.calibration.families import Family, family
 from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
-from seal_mdao.calibration.residuals import residuals
+from seal_mdao.calibration.residuals import mode_weights, residuals
 from seal_mdao.calibration.standard_errors import standard_errors
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
@@ -160,7 +160,7 @@ def fit(
     ends = _ends(kind, differences, scale, np.random.default_rng(seed), progress)
     ranges = {name: data.range for name, data in tests.modes.items()}
     chosen, stability = _first_stable(ends, ranges, margin, allow_unstable, law, tests.source)
-    deviations, correlation = uncertainty(differences, chosen)
+    deviations, correlation = uncertainty(differences, chosen, mode_weights(tests, lateral))
     # a minimum that many starts reach is likely the global one
     agreeing = sum(end.cost <= chosen.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
@@ -284,8 +284,9 @@ def _sorted_terms(law):
 # ---- uncertainty ----
 
 
-def uncertainty(differences, end: End):
-    """Compute standard errors of the constants and their correlation."""
+def uncertainty(differences, end: End, weights):
+    """Compute standard errors of the constants and their correlation, for readings of equal scatter and
+    the ``weights`` (m,) of their squares."""
     names = end.unknowns
-    deviation, correlation = standard_errors(*differences(end.law, names))
+    deviation, correlation = standard_errors(*differences(end.law, names), weights)
     return dict(zip(names, deviation.tolist(), strict=True)), correlation

@@ -64,6 +64,14 @@ def residuals(tests: MaterialTests, weighting: str = "relative", lateral: bool =
     return differences
 
 
+def mode_weights(tests: MaterialTests, lateral: bool = False) -> np.ndarray:
+    """Compute the weight 1/m of the square of every difference of ``residuals``, with m readings in its
+    mode."""
+    columns = 2 if lateral else 1
+    counts = [data.stretch.size for data in tests.modes.values()]
+    return np.concatenate([np.full(columns * m, 1.0 / m) for m in counts])
+
+
 def stress_scales(tests: MaterialTests, weighting: str) -> dict[str, np.ndarray]:
     """Compute the scale of the stress residuals, kPa, for every reading of every mode."""
     largest = max(np.abs(data.stress).max() for data in tests.modes.values())

@@ -13,7 +13,7 @@ from seal_mdao.calibration.fit_errors import errors_of
 from seal_mdao.calibration.law_fit import SAME, End, Fit, descend, fit, uncertainty
 from seal_mdao.calibration.loading_modes import MODES
 from seal_mdao.calibration.material_stability import MARGIN, check_stability, require_stable
-from seal_mdao.calibration.residuals import residuals
+from seal_mdao.calibration.residuals import mode_weights, residuals
 from seal_mdao.materials.ogden_roxburgh import PREFIX, OgdenRoxburgh
 
 R, M, BETA = (PREFIX + name for name in ("r", "m", "beta"))
@@ -91,7 +91,7 @@ def fit_softening(
     )
     if not allow_unstable:
         require_stable(stability, f"{tests.source}: {law} with the best-fit constants")
-    deviations, correlation = uncertainty(differences, best)
+    deviations, correlation = uncertainty(differences, best, mode_weights(tests))
     _require_determined(best, deviations, correlation, tests)
     agreeing = sum(end.cost <= best.cost * (1.0 + SAME) + 1e-20 for end in ends)
     return Fit(
