@@ -273,6 +273,24 @@ def test_times_of_the_path(tmp_path):
     assert seal.conditions(3)["time_s"] == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize(
+    ("swelling", "model", "dwells"),
+    [
+        ("[1.1, 1.1, 1.2]", "", True), ("1.1", "", True), ("[1.0, 1.1, 1.1]", "", False),
+        ("1.1", "temperature = [60, 60, 40]", True), ("1.1", "temperature = [60, 40, 40]", False),
+    ],
+)  # fmt: skip
+def test_time_is_linear_where_swelling_or_temperature_changes(tmp_path, swelling, model, dwells):
+    """The ramps are linear in the completed part of a stage, so they are in time."""
+    given = relaxing(text(FIXED, LID), model=model).replace(
+        "c10 = 80.0\n",
+        f"c10 = 80.0\nswelling = {swelling}\n" + ("expansion = 1e-4\n" if model else ""),
+    )
+    times = exact_seal(tmp_path, given).terms()[0].environment.time
+    middle = times.at([4.5])[0] - 0.5
+    assert middle == pytest.approx(np.sqrt(1001.0) - 1.0 if dwells else 500.0, rel=1e-12)
+
+
 REFUSED = [
     ("duration = 1e3 }", "steps = 3 }", "has no duration"),
     ("tau = [1.0, 100.0]", "tau = [1.0]", "a Prony series needs one relaxation time tau for"),

@@ -59,8 +59,8 @@ class TimeToForceFractionTable(ReactionTable):
         if self.stage == len(file.stages) or not dwells(file, self.stage):
             raise SealFileError(
                 f"{where}: stage = {self.stage}, but the next stage is not a dwell (a stage in "
-                "which neither profiles nor temperature nor fluid pressure change); give the "
-                "number of the stage before a dwell"
+                "which neither profiles nor temperature, swelling or fluid pressure change); give "
+                "the number of the stage before a dwell"
             )
 
 

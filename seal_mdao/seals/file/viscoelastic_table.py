@@ -124,17 +124,27 @@ def _temperatures(file) -> list | None:
     return [model.reference_temperature, *at_stage_ends(file, "[model]: temperature", given)]
 
 
+def _conditions(file) -> list[list]:
+    """Temperatures, and swelling ratios of every material that has them, at the beginning of the path
+    and at the ends of the stages."""
+    temperatures = _temperatures(file)
+    found = [] if temperatures is None else [temperatures]
+    for name, own in file.material_tables.items():
+        if own.swelling is not None:
+            where = f"[material.{name}]: swelling"
+            found.append([1.0, *at_stage_ends(file, where, own.swelling)])
+    return found
+
+
 def dwells(file, number: int) -> bool:
-    """Whether motions, temperature and pressures are constant in a stage, counted from 0."""
+    """Whether motions, temperature, swelling and pressures are constant in a stage, counted from 0."""
     moving = [own for own in file.moving if own.stages]
     counts = {len(own.stages) for own in moving}
     # all moving parts have as many stages, and none moves in this one
     still = len(counts) == 1 and not any(
         any(own.stages[number].translate) or own.stages[number].rotate for own in moving
     )
-    temperatures = _temperatures(file)
-    if temperatures is not None:
-        still = still and temperatures[number] == temperatures[number + 1]
+    still = still and all(own[number] == own[number + 1] for own in _conditions(file))
     # a fluid grows in the last stage
     return still and not (file.fluids and number == len(file.stages) - 1)
 
