@@ -3,7 +3,7 @@
 ``seals.adjusted_penalties`` adapts them to their error (``seals.penalty_error``).
 
 A contact of penalty w gives way by p/w under a pressure p, a body of size L and modulus E by about
-p L/E. With w = 1000 E/h the contact is some thousand times stiffer than the cells beside it.
+p L/E. With w = 300 E/h the contact is some hundred times stiffer than the cells beside it.
 """
 
 from dataclasses import replace
