@@ -5,6 +5,10 @@ stretch of 0.647 along it (W. Hong, X. Zhao, Z. Suo, Formation of creases on the
 and gels, *Appl. Phys. Lett.* 95, 2009), and to waves of any length below 0.544 (M. A. Biot, Surface
 instability of rubber in compression, *Appl. Sci. Res.* A 12, 1963). Neither has a size of its own:
 coarse particles and a linear basis hide them, finer particles and a quadratic basis do not.
+
+With a stretch h across the plane creases form at the same ratio 2.4 of the stretches normal to the
+surface and along it (Hong et al.), 1 / (l^2 h) = 1 / 0.647^2, that is, below l = 0.647 / h^(1/2). Free
+growth theta is no compression: l / theta and h / theta take the places of l and h.
 """
 
 import numpy as np
@@ -15,12 +19,12 @@ from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 
 CREASES = 0.647
-"""Stretch along a free surface below which it forms creases."""
+"""Stretch along a free surface below which it forms creases in plane strain."""
 
 
 def creases(samples: EvaluationPoints) -> str:
-    """Describe the free segment of the boundary with the smallest stretch if that is below
-    ``CREASES``; else return an empty text.
+    """Describe the free segment of the boundary with the smallest ratio of its stretch to that at which
+    creases form if that is below 1; else return an empty text.
 
     Empty for compressible materials, such as foam, too.
     """
@@ -33,17 +37,39 @@ def creases(samples: EvaluationPoints) -> str:
         np.hypot(*(x[ends[:, 1]] - x[ends[:, 0]]).T) for x in (samples.places, samples.undeformed)
     ]
     held = _touching(samples, chains, lengths[0]) | _held(samples, ends)
-    stretch = np.where(held, np.inf, lengths[0] / lengths[1])
-    worst = int(stretch.argmin())
-    if not stretch[worst] < CREASES:
+    growth, across = _growth(samples, ends[:, 0]), _across(samples, chains)
+    # l / theta below 0.647 / (h / theta)^(1/2)
+    stretch, limit = lengths[0] / lengths[1], CREASES * growth * np.sqrt(growth / across)
+    ratio = np.where(held, np.inf, stretch / limit)
+    worst = int(ratio.argmin())
+    if not ratio[worst] < 1.0:
         return ""
     point = samples.undeformed[chains[worst, chains.shape[1] // 2]]
     return (
         f"the free surface is compressed to {stretch[worst]:.2g} of its length at "
-        f"{values.place(point)} (undeformed coordinates): below {CREASES:.2g} rubber forms "
+        f"{values.place(point)} (undeformed coordinates): below {limit[worst]:.2g} rubber forms "
         "creases, which a large particle spacing does not resolve, so an analysis with a smaller "
         "spacing may give another force or fail; use a larger radius at this point, or less travel"
     )
+
+
+def _growth(samples: EvaluationPoints, particles) -> np.ndarray:
+    """Free growth theta of the materials at particles (m,) at the end of the path, shape (m,)."""
+    structure, fraction = samples.path.problem.term("structure"), samples.path.steps[-1].fraction
+    every = [structure.conditions(r, [fraction]).conditions for r in structure.definition.regions]
+    growth = np.array([1.0 if own is None else own.growth.item() for own in every])
+    return growth[structure.particle_regions[particles]]
+
+
+def _across(samples: EvaluationPoints, chains) -> np.ndarray:
+    """Stretch across the plane at the middles of sides, shape (m,)."""
+    if not samples.path.discretization.body.axisymmetric:
+        return np.full(len(chains), samples.axial_stretch)
+    # h = r / R; 1 on the axis, which is no surface
+    middles = chains[:, chains.shape[1] // 2]
+    radius = samples.undeformed[middles, 0]
+    on_axis = radius <= 0.0
+    return np.where(on_axis, 1.0, samples.places[middles, 0] / np.where(on_axis, 1.0, radius))
 
 
 def _held(samples: EvaluationPoints, ends) -> np.ndarray:

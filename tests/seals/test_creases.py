@@ -6,12 +6,27 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ring_files import cylinder
+from seal_file.block_files import read, text, with_model
 
 import seal_mdao as sm
 from seal_mdao.analysis.path_result import Status
 from seal_mdao.cli.examples import examples_folder
 from seal_mdao.seals import creases
 from seal_mdao.seals.evaluation_points import EvaluationPoints
+
+MOVED_Y = """
+[fixed]
+edges = ["base"]
+directions = ["y"]
+[[moved]]
+edges = ["top"]
+directions = ["y"]
+stage = [{ translate = [0, -0.4], steps = 2 }]
+[[moved]]
+edges = ["left"]
+directions = ["x"]
+"""
 
 
 def analysed(name):
@@ -48,6 +63,37 @@ def test_sides_between_supports_along_one_axis_are_no_free_surface():
     samples = SimpleNamespace(path=SimpleNamespace(discretization=SimpleNamespace(body=body)))
     held = creases._held(samples, np.array([[0, 1], [1, 2], [0, 3]]))
     assert held.tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize(("height", "folded"), [(0.6, False), (0.54, True)])
+def test_a_cylinder_forms_creases_below_its_own_stretch(tmp_path, height, folded):
+    """Between smooth plates h = l^(-1/2), so that creases begin at l = 0.647^(4/3) = 0.56."""
+    given = cylinder(travel=2.0 * (1.0 - height)).replace("steps = 4", "steps = 8")
+    given = given.replace("bulk_modulus = 2e3", "bulk_modulus = 2e4")
+    result = sm.analyze(sm.build_seal(read(tmp_path, given)))
+    assert result.converged, result.failure
+    said = creases.creases(EvaluationPoints(result.path))
+    assert bool(said) == folded
+    # the finite bulk modulus takes a little of h
+    assert not folded or re.search(r"below 0\.5[56] rubber", said)
+
+
+@pytest.mark.parametrize(
+    ("keys", "model", "limit"),
+    [
+        ("", "", 0.647),
+        ("", 'kinematics = "generalised_plane_strain"\naxial_stretch = 1.2', 0.647 / np.sqrt(1.2)),
+        ("swelling = 1.2\n", "", 0.647 * np.sqrt(1.2)),
+    ],
+)
+def test_growth_and_axial_stretch_change_the_limit(tmp_path, monkeypatch, keys, model, limit):
+    """l / theta below 0.647 / (h / theta)^(1/2); the free side of a block is compressed to 0.9."""
+    given = text(MOVED_Y, spacing=1.0).replace("c10 = 80.0\n", f"c10 = 80.0\n{keys}")
+    result = sm.analyze(sm.build_seal(read(tmp_path, with_model(given, model) if model else given)))
+    assert result.converged, result.failure
+    for factor, folded in ((1.01, True), (0.99, False)):
+        monkeypatch.setattr(creases, "CREASES", factor * 0.9 * 0.647 / limit)
+        assert bool(creases.creases(EvaluationPoints(result.path))) == folded
 
 
 def ended(result, steps):
