@@ -228,7 +228,8 @@ def _strains(samples: EvaluationPoints):
         if valid is None:
             continue
         own = np.arange(len(cells)) if region.cells is None else region.cells
-        least, largest = samples.cell_stretches[own].T
+        # elastic stretches, without thermal expansion and swelling
+        least, largest = samples.cell_stretches[own].T / samples.growth(region)
         outside = (least < valid[0]) | (largest > valid[1])
         if outside.mean() <= FEW_CELLS:
             continue

@@ -55,9 +55,8 @@ def creases(samples: EvaluationPoints) -> str:
 
 def _growth(samples: EvaluationPoints, particles) -> np.ndarray:
     """Free growth theta of the materials at particles (m,) at the end of the path, shape (m,)."""
-    structure, fraction = samples.path.problem.term("structure"), samples.path.steps[-1].fraction
-    every = [structure.conditions(r, [fraction]).conditions for r in structure.definition.regions]
-    growth = np.array([1.0 if own is None else own.growth.item() for own in every])
+    structure = samples.path.problem.term("structure")
+    growth = np.array([samples.growth(region) for region in structure.definition.regions])
     return growth[structure.particle_regions[particles]]
 
 

@@ -100,6 +100,12 @@ class EvaluationPoints:
         body = self.path.problem.term("structure").definition
         return body.axial_stretch(self.path.steps[-1].fraction)
 
+    def growth(self, region) -> float:
+        """Return the free growth theta of the material of a region at the end of the path."""
+        structure, fraction = self.path.problem.term("structure"), self.path.steps[-1].fraction
+        own = structure.conditions(region, [fraction]).conditions
+        return 1.0 if own is None else own.growth.item()
+
     @property
     def volume_change(self) -> np.ndarray:
         """J = det F of all three stretches at the points, shape (N,)."""

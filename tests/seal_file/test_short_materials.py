@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ring_files import cylinder, made_of
 
 import seal_mdao as sm
 from seal_mdao.materials.hardness import ShoreRubber, shore_modulus
@@ -130,6 +131,19 @@ def test_the_strain_that_is_reported_is_the_one_beyond_the_range():
         problem=SimpleNamespace(term={"structure": structure}.get),
     )
     stretches = np.array([[0.51, 0.9], [0.9, 1.6], [1.0, 1.0]])
-    samples = SimpleNamespace(path=path, cell_stretches=stretches, undeformed=np.ones((12, 2)))
+    samples = SimpleNamespace(
+        path=path, cell_stretches=stretches, undeformed=np.ones((12, 2)), growth=lambda _: 1.0
+    )
     (found,) = _strains(samples)
     assert "0.9 to 1.6 near" in found.text
+
+
+def test_swelling_is_no_strain(tmp_path):
+    """A swollen cylinder between plates has the elastic stretches 1 and 1 / theta = 0.63."""
+    path = tmp_path / "swollen.toml"
+    path.write_text(made_of('sponge = "2A3"\nswelling = 4.0\n', cylinder(travel=0.01)))
+    result = sm.analyze(sm.build_seal(path))
+    assert result.converged, result.failure
+    radius = result.deformed()[:, 0].max() / result.particles[:, 0].max()
+    assert radius == pytest.approx(np.cbrt(4.0), rel=1e-3)
+    assert not [text for text in result.warnings if "beyond the range of its constants" in text]
