@@ -104,7 +104,8 @@ class Cloud:
         With the spacing of this cloud.
     result : SealResult
     estimates : dict of str to ErrorEstimate
-        By the name of the measure.
+        By the name of the measure; without measures that have no points, such as a gap of a seal that
+        has none.
     """
 
     file: SealFile
@@ -155,11 +156,14 @@ class Cloud:
     @property
     def not_estimated(self) -> dict[str, str]:
         """Why measures of ``accuracy`` have no error bar, by their names."""
-        return {
-            name: self.estimates[name].unknown or "the value is zero"
-            for name in admissible_errors(self.file)
-            if self.estimates[name].relative is None
-        }
+        found = {}
+        for name in admissible_errors(self.file):
+            own = self.estimates.get(name)
+            if own is None:
+                found[name] = f"the nominal seal has no point at which {name} is evaluated"
+            elif own.relative is None:
+                found[name] = own.unknown or "the value is zero"
+        return found
 
 
 def refine(
@@ -287,8 +291,10 @@ def _order(cloud: Cloud, before: Cloud | None) -> float:
 
 def _particle_error(cloud: Cloud, name: str) -> float | None:
     """Relative error bar of a measure by the particles; None where it is not known."""
-    own = cloud.estimates[name]
-    return None if own.particle_bar is None else float(own.particle_bar.max() / own.scale)
+    own = cloud.estimates.get(name)
+    if own is None or own.particle_bar is None:
+        return None
+    return float(own.particle_bar.max() / own.scale)
 
 
 def _no_decrease(cloud: Cloud, before: Cloud) -> ValueError:

@@ -42,7 +42,7 @@ def main(arguments) -> int:
             "columns of this name; give the measure another name"
         )
     name_varied([own.name])
-    results, rows, measures = {}, [], None
+    results, rows, measures, units, words = {}, [], None, {}, {}
     with tqdm(values, desc=own.name, unit="analysis", disable=hidden(), leave=False) as bar:
         for value, (seal, parameters) in zip(bar, own.seals(file, values), strict=True):
             if not results:
@@ -58,21 +58,19 @@ def main(arguments) -> int:
                 chosen = measures if parameters else measures_of(seal, result)
             rows.append(row(float(value), result, chosen))
             results[float(value)] = result
+            units |= units_of(seal, chosen)
+            words |= titles(seal, chosen)
             # after every analysis, so that an interrupted sweep leaves what was computed
             write_table(arguments.out / "sweep.csv", own.name, rows)
             write_sweep_curves(own.name, results, arguments.out / "curves.csv")
     # measures that some rows do not have are None there
     rows = [{key: line.get(key) for key in max(rows, key=len)} for line in rows]
     warned = warnings_of(results)
-    units = {
-        name: unit for result in results.values() for name, unit in units_of(result.seal).items()
-    }
-    units = {name: unit for name, unit in units.items() if name in rows[0]}
     summary = {
         "parameter": own.name, "unit": own.unit, "values": rows, "units": units, "warnings": warned,
     }  # fmt: skip
     write_summary(arguments.out, summary)
-    draw(own, results, rows, arguments.out)
+    draw(own, results, rows, words, arguments.out)
     for line in rows:
         # "value" is the parameter in the printed line
         numbers = {own.name if key == "value" else key: value for key, value in line.items()}
@@ -111,17 +109,21 @@ def names_of(measure, seal) -> list[str]:
     return [measure.name] if count == 1 else [f"{measure.name}_{i + 1}" for i in range(count)]
 
 
-def units_of(seal) -> dict[str, str | None]:
-    """Return the units of the values of all measures of a seal."""
+def units_of(seal, measures) -> dict[str, str | None]:
+    """Return the units of the values of ``measures`` of a seal, whose points are chosen, by the names of
+    the values."""
     return {
         name: seal.units.of(measure.units)
-        for measure in (*seal.standard, *seal.further)
+        for measure in measures
         for name in names_of(measure, seal)
     }
 
 
-def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
-    """Draw the load-deflection curves, and all numbers at the end of the path over the varied one."""
+def draw(own: Varied, results: dict, rows: list[dict], words: dict, out: Path) -> None:
+    """Draw the load-deflection curves, and all numbers at the end of the path over the varied one.
+
+    ``words`` describes the numbers of ``rows`` by their names (``titles``).
+    """
     varied_one = f"{own.name} ({own.unit})".replace(" ()", "")
     # curves of all analyses with at least one converged load step
     nominal = {f"{v:.6g}": r for v, r in results.items() if len(r.path.nominal_steps)}
@@ -135,8 +137,6 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
         ring = units.pop() if len(units) == 1 else None
         forces = [name for name in names if f"{_bare(name)}_{PER_MM}" in names] if ring else []
         beside = {f"{_bare(name)}_{PER_MM}" for name in forces}
-        # a seal with a short travel lacks measures beyond it
-        words = {n: own for result in results.values() for n, own in titles(result.seal).items()}
         columns = {
             words[name]: [np.nan if line[name] is None else line[name] for line in done]
             for name in names
@@ -148,8 +148,8 @@ def draw(own: Varied, results: dict, rows: list[dict], out: Path) -> None:
         plotting.save(figure, out / "measures.png")
 
 
-def titles(seal) -> dict[str, str]:
-    """Describe the numbers of ``row`` in words with units, by their names."""
+def titles(seal, measures) -> dict[str, str]:
+    """Describe the numbers of ``row`` with these measures in words with units, by their names."""
     units = seal.units
     shown_units = {units.force_key: units.force, PER_MM: "N per mm"}
     found = {
@@ -158,7 +158,7 @@ def titles(seal) -> dict[str, str]:
         for key, unit in shown_units.items()
         for name, direction in zip(_force_names(part.label, key), units.directions, strict=True)
     }
-    for name, unit in units_of(seal).items():
+    for name, unit in units_of(seal, measures).items():
         found[name] = f"{label(name)} ({shown_unit(unit)})".replace(" ()", "")
         found[f"{name}_{PER_MM}"] = f"{label(name)} (N per mm)"
     return found

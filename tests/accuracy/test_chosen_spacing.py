@@ -85,6 +85,21 @@ def tried_spacings(path):
     return [cloud.file.section.spacing for cloud in tried], found
 
 
+def test_measures_without_points_have_no_error(second_order, tmp_path):
+    """The gap of a seal that has none: of all measures it is left out, by its name it is an error."""
+    gap = '[[measure]]\ntype = "gap"\nprofile = "lid"\n'
+    path = accurate(tmp_path, accuracy='"3 %"')
+    path.write_text(path.read_text() + gap)
+    found = refine(sm.read_seal_file(path))
+    assert found.worst.name == "contact_width"
+    assert found.not_estimated["gap"] == "the nominal seal has no point at which gap is evaluated"
+    path.write_text(path.read_text().replace('"3 %"', '{ gap = "3 %" }'))
+    with pytest.raises(
+        ValueError, match="of gap cannot be estimated: the nominal seal has no point"
+    ):
+        refine(sm.read_seal_file(path))
+
+
 def test_second_order(second_order, tmp_path):
     """Two clouds are enough; the second is no finer than needed."""
     spacings, found = tried_spacings(accurate(tmp_path))

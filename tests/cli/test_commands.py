@@ -321,6 +321,23 @@ def test_a_sweep_has_every_value_of_a_measure_and_units(bulb, tmp_path, capsys):
     assert "forces_2 = " in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("vary", [("c10", "80,90"), ("section.spacing", "1.7,1.8")])
+def test_a_sweep_has_measures_whose_points_the_nominal_seal_determines(bulb, tmp_path, vary):
+    path = bulb.with_name("pressures.toml")
+    more = '[[measure]]\ntype = "contact_pressure"\n[[measure]]\ntype = "von_mises"\ncount = 2\n'
+    path.write_text(bulb.read_text(encoding="utf-8") + more, encoding="utf-8")
+    out = tmp_path / "sweep"
+    assert main(["sweep", str(path), "--vary", *vary, "--out", str(out)]) == 0
+    summary = json.loads((out / "summary.json").read_text())
+    result = sm.analyze(sm.build_seal(path))
+    (own,) = (row for row in summary["values"] if row["value"] in (80.0, 1.8))
+    assert own["contact_pressure"] == pytest.approx(result.value("contact_pressure")[0], rel=1e-9)
+    stresses, units = [own["von_mises_1"], own["von_mises_2"]], summary["units"]
+    assert stresses == pytest.approx(list(result.value("von_mises")), rel=1e-9)
+    assert units["contact_pressure"] == units["von_mises_2"] == "kPa"
+    assert (out / "measures.png").is_file()
+
+
 def test_a_sweep_prints_each_warning_once(bulb, tmp_path, capsys, monkeypatch):
     """With the values that have it; an analysis that cannot be used or fails is status 1."""
     out, own = tmp_path / "sweep", lambda result: f"{result.seal.scalars['c10'].value:g} kPa"

@@ -318,6 +318,18 @@ def test_the_reaction_is_taken_along_the_first_travel(tmp_path):
     assert measure_of(file.measures[0], np.zeros((1, 2))).components == (0,)
 
 
+def test_the_reaction_on_a_fixed_profile_is_taken_along_the_travel_of_the_moving_one(tmp_path):
+    wall = (
+        '[[profile]]\nname = "wall"\nline = [[-9, -50], [-9, 50]]\nfriction = 0.1\n'
+        '[[measure]]\ntype = "reaction"\nprofile = "wall"\nname = "on_wall"\n'
+    )
+    for travel, axis in (("[-6.0, 1.0]", 0), ("[0.0, -6.0]", 1)):
+        file = changed(tmp_path, ("[0.0, -6.0]", travel), ("[[design]]", wall + "[[design]]"),
+                       ('measure = "reaction"', 'measure = "on_wall"'))  # fmt: skip
+        measure = next(own for own in file.measures if own.name == "on_wall")
+        assert measure_of(measure, np.zeros((1, 2))).components == (axis,)
+
+
 @pytest.mark.parametrize(("keys", "size", "fields"), [
     ("travel = 3.0", 1, {"travels": (3.0,), "components": (1,), "direction": None, "units": "N/m"}),
     ("travel = [1, 3.5]", 2, {"travels": (1.0, 3.5)}),

@@ -66,7 +66,8 @@ class ReactionTable(OfProfile):
     )
 
     component: one_of(*_AXES) | None = key(
-        "axis of the force; default without direction: the axis of the first translation",
+        "axis of the force; default without direction: the axis of the first translation, of a "
+        "profile that does not move that of the first moving profile",
         None,
     )
     direction: Direction | None = key(
@@ -129,18 +130,17 @@ class ReactionTable(OfProfile):
         else:
             done = super().settled(where, profiles)
             own = next(p for p in profiles if p.name == done.profile)
-        # the first travel gives the axis, and the direction where it is "travel"
-        # without a component or a direction: along the first travel of the profile
+        # the first travel, of a profile that stands still that of the first one that travels, gives
+        # the axis where there is no component or direction
+        moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
         if done.component is None and done.direction is None:
-            done = replace(done, component=_main_axis(own))
+            done = replace(done, component=_main_axis(moving))
         if done.direction == TRAVEL and not own.travel > 0.0:
             raise SealFileError(
                 f"{where}: direction = {TRAVEL!r}, but the profile {own.name!r} does not move; "
                 "give the direction as [x, y]"
             )
-        # travels are those of the profile, or of the first one that travels where it stands still
-        moving = next((p for p in (own, *profiles) if p.travel > 0.0), own)
-        # up to rounding, travels end with the path
+        # travels are those of the same profile; up to rounding, they end with the path
         if done.travel is not None and np.max(done.travel) > moving.travel * (1.0 + ROUNDING):
             raise SealFileError(
                 f"{where}: travel = {np.max(done.travel):g}, but the total travel of the profile "
