@@ -20,6 +20,7 @@ from seal_mdao.seals.file.prescribed_edges import (
     holder,
 )
 from seal_mdao.seals.file.section_table import check_section
+from seal_mdao.seals.file.sliding import check_sliding
 from seal_mdao.seals.file.viscoelastic_table import relaxes
 from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.rays import Rays
@@ -59,6 +60,7 @@ def check(file) -> None:
         _check_contact_points(where, profile, file)
         gaps.append(check_start(where, profile, file.section.outline))
     _check_bodies_held(file, gaps)
+    check_sliding(file)
 
 
 # ---- edges ----

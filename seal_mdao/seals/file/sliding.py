@@ -1,0 +1,80 @@
+"""Bodies of a seal file that nothing prevents from sliding along a line."""
+
+import numpy as np
+
+from seal_mdao.contact.friction_by_group import FrictionByGroup
+from seal_mdao.errors import SealFileError
+from seal_mdao.seals.file.model_table import RADIAL
+from seal_mdao.seals.outline.contours import Line
+
+PARALLEL = 1e-9
+"""Sine of the angle up to which two lines are parallel."""
+
+
+def check_sliding(file) -> None:
+    """Raise SealFileError for a body of a ``SealFile`` that can slide along a line without resistance:
+    no edge has a prescribed displacement along it, and all profiles that may touch the body are straight
+    lines parallel to it, without friction. Its position along this line would be arbitrary."""
+    # another body or a force of an extension may hold it
+    if file.self_contact is not None or file.terms:
+        return
+    outline = file.section.outline
+    for number, contours in enumerate(outline.bodies, 1):
+        names = {name for contour in contours for name in contour.edge_names}
+        profiles = [own for own in file.profiles if names & set(own.contact)]
+        along = _free_direction(file, names, profiles)
+        if along is None or not all(_slides(own, along) for own in profiles):
+            continue
+        first = contours[0].edge_names[0]
+        what = f"body {number} (edge {first!r})" if outline.others else "the section"
+        axis = next((name for name, own in zip("xy", along, strict=True) if abs(own) == 1.0), None)
+        line = axis or f"the direction ({along[0]:.4g}, {along[1]:.4g})"
+        touching = ", ".join(repr(own.name) for own in profiles)
+        contact = (
+            f", and the profiles that may touch it ({touching}) are straight, parallel to this "
+            "direction and without friction"
+        )
+        friction = ", or give a profile a friction coefficient above 0"
+        raise SealFileError(
+            f"{what} can slide along {line} without resistance, because no edge has a prescribed "
+            f"displacement in this direction{contact if profiles else ''}; fix an edge in this "
+            f"direction ([fixed] with directions){friction if profiles else ''}"
+        )
+
+
+def _free_direction(file, names: set, profiles: list) -> np.ndarray | None:
+    """Find the line (2,) along which no edge of a body is prescribed; None if there is none."""
+    held = {axis for name, axes in file.supports.items() if name in names for axis in axes}
+    if file.axisymmetric:
+        # a ring holds its radius itself
+        held.add(RADIAL)
+    if len(held) == 2:
+        return None
+    if held:
+        return np.eye(2)[1 - held.pop()]
+    # nothing is prescribed: the line of the first profile
+    return _direction(profiles[0]) if profiles else None
+
+
+def _direction(profile) -> np.ndarray | None:
+    """Compute the unit vector (2,) along a straight profile at its start; None for another curve."""
+    if profile.shape is not None or not all(isinstance(own, Line) for own in profile.segments):
+        return None
+    chords = np.array([np.subtract(own.last, own.first) for own in profile.segments])
+    units = chords / np.hypot(*chords.T)[:, None]
+    # t_1 x t_i = 0
+    if np.abs(units[0, 0] * units[:, 1] - units[0, 1] * units[:, 0]).max() > PARALLEL:
+        return None
+    angle = np.deg2rad(profile.angle)
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]]) @ units[0]
+
+
+def _slides(profile, along: np.ndarray) -> bool:
+    """Whether a profile resists no motion along a line: it is parallel to it and has no friction."""
+    own = profile.friction
+    laws = own.laws if isinstance(own, FrictionByGroup) else (own,)
+    direction = _direction(profile)
+    if direction is None or profile.turns or any(law != 0.0 for law in laws):
+        return False
+    return bool(abs(along[0] * direction[1] - along[1] * direction[0]) <= PARALLEL)

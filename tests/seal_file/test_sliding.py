@@ -1,0 +1,71 @@
+"""A body that nothing prevents from sliding along a line is refused: its position is arbitrary."""
+
+import numpy as np
+import pytest
+from ring_files import HEAD
+from seal_file.block_files import BETWEEN_PLATES, FIXED, file_of, text
+
+import seal_mdao as sm
+from seal_mdao.errors import SealFileError
+
+PLATES = BETWEEN_PLATES[BETWEEN_PLATES.index("[[profile]]") :]
+ROLLERS = FIXED + 'directions = ["y"]\n'
+LID = '[[profile]]\nname = "lid"\nfriction = 0.0\nline = [[-9, 0], [9, 0]]\nstart = [0, 4]\n'
+DOWN = "stage = [{ translate = [0, -0.05], steps = 2 }]\n"
+MOVED = '[[moved]]\nedges = ["top"]\ndirections = ["y"]\n' + DOWN
+
+
+@pytest.mark.parametrize("tables", [
+    [PLATES.format(friction=0.0)], [ROLLERS, LID + DOWN], [ROLLERS, MOVED],
+    [ROLLERS, LID.replace("0.0", "{ top = 0.0, right = 0.0, left = 0.0 }") + DOWN],
+])  # fmt: skip
+def test_a_section_that_can_slide_is_refused(tmp_path, tables):
+    with pytest.raises(SealFileError, match="the section can slide along x without resistance"):
+        file_of(tmp_path, *tables)
+
+
+@pytest.mark.parametrize("tables", [
+    [PLATES.format(friction=0.1)], [FIXED, LID + DOWN], [ROLLERS, LID.replace("0.0", "0.2") + DOWN],
+    [ROLLERS, LID.replace("[9, 0]", "[9, 1]").replace("[0, 4]", "[0, 4.5]") + DOWN],
+    [ROLLERS, '[[symmetry]]\nedges = ["left"]\nnormal = "x"\n', LID + DOWN],
+    [ROLLERS, LID + DOWN.replace("steps", "rotate = 2.0, steps")],
+])  # fmt: skip
+def test_supports_friction_and_inclined_profiles_prevent_sliding(tmp_path, tables):
+    assert file_of(tmp_path, *tables).fixed_edges is not None
+
+
+def test_the_line_between_inclined_plates_is_named(tmp_path):
+    """The block and both plates are turned by 30 degrees."""
+    turn = np.array([[0.75**0.5, -0.5], [0.5, 0.75**0.5]])
+    corners = [(turn @ own).tolist() for own in ([-4, 0], [4, 0], [4, 4], [-4, 4])]
+    outer = "".join(
+        f'[[section.outer]]\nedge = "{name}"\nline = {[corners[k], corners[(k + 1) % 4]]}\n'
+        for k, name in enumerate(("base", "right", "top", "left"))
+    )
+    material = text().partition("[section]")[0]
+    plates = PLATES.format(friction=0.0).replace("[9, 0], [-9, 0]]", "[9, 0], [-9, 0]]\nangle = 30")
+    plates = plates.replace("start = [0, 4]", f"start = {(turn @ [0.0, 4.0]).tolist()}\nangle = 30")
+    path = tmp_path / "turned.toml"
+    path.write_text(f"{material}[section]\nspacing = 1.0\n{outer}{plates}")
+    with pytest.raises(SealFileError, match=r"can slide along the direction \(0.866, 0.5\)"):
+        sm.read_seal_file(path)
+
+
+def test_a_ring_can_slide_along_its_axis_only(tmp_path):
+    block = HEAD.format(bulk=2e3, spacing=0.5) + (
+        'outer = [\n  { edge = "base", line = [[4, 0], [6, 0]] },\n'
+        '  { edge = "outer", line = [[6, 0], [6, 2]] },\n'
+        '  { edge = "rest", line = [[6, 2], [4, 2], [4, 0]] },\n]\n'
+    )
+    bore = (
+        '[[profile]]\nname = "bore"\ncontact = ["outer"]\nfriction = {friction}\n'
+        "line = [[6, 9], [6, -9]]\nstage = [{{ translate = [-0.1, 0], steps = 2 }}]\n"
+    )
+    path = tmp_path / "ring.toml"
+    path.write_text(block + bore.format(friction=0.0))
+    with pytest.raises(SealFileError, match="can slide along y"):
+        sm.read_seal_file(path)
+    held = '[fixed]\nedges = ["base"]\ndirections = ["y"]\n'
+    for tables in (bore.format(friction=0.1), bore.format(friction=0.0) + held):
+        path.write_text(block + tables)
+        assert sm.read_seal_file(path).axisymmetric
