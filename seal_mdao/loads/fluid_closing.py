@@ -1,4 +1,14 @@
-"""Contact pressure of rigid profiles that close an edge against a fluid, and its rates."""
+"""Contact pressure of rigid profiles that close an edge against a fluid, and its rates.
+
+The true pressure of a particle, the normal force over the deformed length as in
+``measures.contact_pressure``, which the fluid has to overcome:
+
+    c = w_n <-g_n> A / a,    A = sum_e f_e L_e r_e,
+
+with A and a the undeformed and the deformed tributary length, f_e the fraction of a side of the length
+L_e, and r_e = 1, or in a body of revolution the radius of the fraction, as in
+``terms.points.MaterialPoints``.
+"""
 
 from typing import NamedTuple
 
@@ -22,13 +32,15 @@ class ClosingRates(NamedTuple):
 
     Attributes
     ----------
-    by_index : ndarray, shape (k, 2)
-        With the place of the point itself.
+    by_place, by_reference : ndarray, shape (k, 3, 2)
+        With the deformed and the undeformed places of the particle before, the particle itself and the
+        one after it.
     by_parameter : ndarray, shape (k, n)
         With the parameters.
     """
 
-    by_index: np.ndarray
+    by_place: np.ndarray
+    by_reference: np.ndarray
     by_parameter: np.ndarray
 
 
@@ -38,18 +50,75 @@ def closing_names(contact: RigidContact) -> tuple:
     return tuple(name for name in contact.scalars if name not in law)
 
 
+class TributaryLengths:
+    """Lengths of an edge that belong to the contact points of a profile on it.
+
+    Sides of the contact that are not part of the edge are left out.
+
+    Parameters
+    ----------
+    where : MaterialPoints
+        Contact points, at particles.
+    particles : ndarray of int, shape (k,)
+        Particles along the edge.
+    touches : ndarray of int, shape (t,)
+        Indices in ``particles`` of those that are contact points.
+    """
+
+    def __init__(self, where, particles: np.ndarray, touches: np.ndarray):
+        at = np.argsort(where.at_particles)
+        rows = at[np.searchsorted(where.at_particles, particles[touches], sorter=at)]
+        index = np.full(max(particles.max(), where.edges.max(initial=0)) + 1, -1)
+        index[particles] = np.arange(len(particles))
+        # ends of the sides as indices along the edge, shape (t, e, 2)
+        ends, own = index[where.edges[rows]], touches[:, None, None]
+        inside = (ends >= 0).all(axis=2)
+        self.ends = np.where(inside[..., None], ends, own)
+        self.fractions = where.fractions[rows]
+        self.radial = None if where.radial is None else where.radial[rows]
+        # -1, 0, 1 for the particle before, itself, and the one after
+        self.offsets = self.ends - own
+
+    def at(self, x: np.ndarray) -> np.ndarray:
+        """Evaluate a of particles at ``x`` (k, 2), shape (t,); 0 without a side on the edge."""
+        return (self._lengths(x) * self._radii(x)).sum(axis=1)
+
+    def rates(self, x: np.ndarray) -> np.ndarray:
+        """Compute the derivatives of ``at`` with the places of the particle before, the particle itself
+        and the one after it, shape (t, 3, 2)."""
+        side = x[self.ends[..., 1]] - x[self.ends[..., 0]]
+        size = np.linalg.norm(side, axis=2, keepdims=True)
+        # a_e = f L r:  da_e/dx_b = f r (x_b - x_a) / L = -da_e/dx_a, and by way of r
+        pull = (self.fractions * self._radii(x))[..., None] * side / np.where(size > 0.0, size, 1.0)
+        by_end = np.stack([-pull, pull], axis=2)
+        if self.radial is not None:
+            by_end[..., 0] += self._lengths(x)[..., None] * self.radial
+        out = np.zeros((len(self.ends), 3, 2))
+        np.add.at(out, (np.arange(len(out))[:, None, None], 1 + self.offsets), by_end)
+        return out
+
+    def _lengths(self, x) -> np.ndarray:
+        side = x[self.ends[..., 1]] - x[self.ends[..., 0]]
+        return self.fractions * np.hypot(side[..., 0], side[..., 1])
+
+    def _radii(self, x):
+        return 1.0 if self.radial is None else (self.radial * x[self.ends, 0]).sum(axis=2)
+
+
 class Closing:
-    """Contact pressure w_n |g_n| of one profile at particles of an edge.
+    """True contact pressure of one profile at particles of an edge.
 
     Parameters
     ----------
     contact : RigidContact
     particles : ndarray of int, shape (k,)
+    reference : ndarray, shape (k, 2)
+        Their undeformed places.
     names : tuple of str
         Parameters, in the order of the columns of ``rates``.
     """
 
-    def __init__(self, contact: RigidContact, particles: np.ndarray, names: tuple):
+    def __init__(self, contact: RigidContact, particles, reference, names: tuple):
         self.profile = contact.shape.profile()
         # friction does not press
         self.law = contact.law._replace(friction=0.0)
@@ -60,6 +129,15 @@ class Closing:
         self.motion_rates = Cached(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
         self.n_names = len(names)
+        self.lengths = TributaryLengths(contact.where, particles, self.touches)
+        self.undeformed = self.lengths.at(reference)
+        self.undeformed_rates = self.lengths.rates(reference)
+
+    def _stretch(self, x) -> tuple[np.ndarray, np.ndarray]:
+        """Compute the deformed tributary lengths a and A / a, which is 1 without a side, shape (t,)."""
+        a = self.lengths.at(x)
+        on = a > 0.0
+        return np.where(on, a, 1.0), np.divide(self.undeformed, a, out=np.ones(len(a)), where=on)
 
     def _gaps(self, x, fraction):
         gap = np.empty(len(self.touches))
@@ -69,9 +147,9 @@ class Closing:
 
     def pressure(self, x: np.ndarray, fraction: float) -> np.ndarray:
         """Evaluate the contact pressure at the deformed particles ``x`` (k, 2), shape (k,), kPa."""
-        out = np.zeros(len(x))
-        # c = w_n <-g_n>
-        out[self.touches] = self.law.normal_penalty * np.maximum(-self._gaps(x, fraction), 0.0)
+        out, gap = np.zeros(len(x)), self._gaps(x, fraction)
+        # c = w_n <-g_n> A / a
+        out[self.touches] = self.law.normal_penalty * np.maximum(-gap, 0.0) * self._stretch(x)[1]
         return out
 
     def rates(self, x: np.ndarray, fraction: float) -> ClosingRates:
@@ -87,11 +165,17 @@ class Closing:
             self.profile, self.curve, self.law, self.pose(fraction), motion, x, np.ones(k),
             np.zeros((k, 2)), open_before, points, local,
         )  # fmt: skip
-        out = ClosingRates(np.zeros((k, 2)), np.zeros((k, self.n_names)))
-        # dc = -w_n dg_n - g_n dw_n
+        out = ClosingRates(*np.zeros((2, k, 3, 2)), np.zeros((k, self.n_names)))
+        closed = gap < 0.0
+        a, ratio = (own[closed] for own in self._stretch(x))
+        # dc = A / a (-w_n dg_n - g_n dw_n) + c (dA / A - da / a),  c / A = w_n <-g_n> / a
         by_gap = -self.law.normal_penalty * local[:, GAP]
-        by_gap[:, NORMAL_PENALTY] = -gap[gap < 0.0]
-        out.by_index[points] = by_gap[:, :2]
+        by_gap[:, NORMAL_PENALTY] = -gap[closed]
+        by_gap *= ratio[:, None]
+        force = (-self.law.normal_penalty * gap[closed] / a)[:, None, None]
+        out.by_place[points] = -(force * ratio[:, None, None]) * self.lengths.rates(x)[closed]
+        out.by_place[points, 1] += by_gap[:, :2]
+        out.by_reference[points] = force * self.undeformed_rates[closed]
         own = [NORMAL_PENALTY, *range(FRICTION + 1, columns)]
         for column, name in zip(own, self.columns, strict=True):
             out.by_parameter[points, name] += by_gap[:, column]

@@ -5,10 +5,11 @@
 along every side of the edge (``pressed_sides``): a cubic through its ends and the two Gauss points of
 the consistent integration. A uniform pressure all round is therefore in equilibrium with a uniform
 hydrostatic stress (with straight sides a pressure of 2.5 shear moduli wrinkles the body). In a body of
-revolution a side is turned about the axis: ds becomes c r ds. The weights w_i at
-the particles are those of ``fluid_law``, from the contact pressures of the rigid profiles that may touch
-the edge, and linear between; they couple a point of the front with all points behind it. Contact at a
-sharp corner closes only the side behind it: the side before it has the weight of its first particle. n
+revolution a side is turned about the axis: ds becomes c r ds. The weights w_i at the particles are those
+of ``fluid_law``, from the true contact pressures of the rigid profiles that may touch the edge
+(``fluid_closing``), and linear between; they couple a point of the front and its neighbours with all
+points behind it. Contact at a sharp corner closes only the side behind it: the side before it has the
+weight of its first particle. n
 follows the deformed sides: a follower load.
 """
 
@@ -55,7 +56,7 @@ class FluidPressure(TermDefinition):
         Profiles that close the edge; their points are particles. Their parameters are parameters of the
         fluid, too.
     share : float
-        A point is dry where the contact pressure exceeds 1 + share times the fluid pressure.
+        A point is dry where the true contact pressure exceeds 1 + share times the fluid pressure.
     corners : ndarray of bool, shape (k,), or None
         Which of the particles are sharp corners; None for none.
 
@@ -151,13 +152,14 @@ class FluidPressure(TermDefinition):
         return self.where.points
 
     def pairs(self):
-        """List coupled points: every point with the particles before it and the points of its sides."""
+        """List coupled points: every point with the particles before it and the next two, whose contact
+        pressure its weights contain, and with the points of its sides."""
         # particles have the indices 0, 3, 6, ...; Gauss points couple with the points of their side only
         at = np.arange(POINTS * (len(self.edge) - 1) + 1)
         row, column = np.meshgrid(at, at, indexing="ij")
         first = column // POINTS * POINTS
         beside = (row >= first) & (row <= first + POINTS)
-        return np.argwhere(np.where(column == first, column <= row + POINTS, beside))
+        return np.argwhere(np.where(column == first, column <= row + 2 * POINTS, beside))
 
     def on(self, discretization, index) -> "FluidPressureTerm":
         """Build the term for one design."""
@@ -166,7 +168,7 @@ class FluidPressure(TermDefinition):
 
 class FluidPressureTerm(CoupledTerm):
     """``FluidPressure`` in one design; what it gives are at every particle, from the wet end on, the
-    fluid's weight and the contact pressure of the profiles, kPa."""
+    fluid's weight and the true contact pressure of the profiles, kPa."""
 
     output_names = ("weight", "closing")
 
@@ -181,7 +183,8 @@ class FluidPressureTerm(CoupledTerm):
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
         self.rounding *= discretization.depth
         self.closings = [
-            Closing(contact, definition.particles, self.names) for contact in definition.contacts
+            Closing(contact, definition.particles, self.reference[::POINTS], self.names)
+            for contact in definition.contacts
         ]
         # directed away from the wet end: of an edge from its start, the body is on the left
         self._sides = PressedSides(
@@ -201,12 +204,12 @@ class FluidPressureTerm(CoupledTerm):
         """Contact pressure of all profiles at the particles, shape (k,)."""
         own = np.ascontiguousarray(x[::POINTS])
         parts = (closing.pressure(own, fraction) for closing in self.closings)
-        # c = sum over the profiles of w_n <-g_n>
+        # c = sum over the profiles of w_n <-g_n> A / a
         return sum(parts, np.zeros(len(own)))
 
     def _closing_rates(self, x, fraction) -> ClosingRates:
         own, k = np.ascontiguousarray(x[::POINTS]), self.output_indices
-        found = ClosingRates(np.zeros((k, 2)), np.zeros((k, len(self.names))))
+        found = ClosingRates(*np.zeros((2, k, 3, 2)), np.zeros((k, len(self.names))))
         for closing in self.closings:
             found = ClosingRates(*map(np.add, found, closing.rates(own, fraction)))
         return found
@@ -221,13 +224,16 @@ class FluidPressureTerm(CoupledTerm):
         pairs, tangent = self._sides.tangents(x, -pressure * weight)
         front = np.flatnonzero(slopes[0])
         if front.size:
-            # dw_i/dx_j = dw_i/dc_j dc_j/dx_j: a particle of the front acts on all points behind it
+            # dw_i/dx_n = sum_j dw_i/dc_j dc_j/dx_n: a particle of the front and its neighbours act on
+            # all points behind it
             on_closing, _ = accumulated(*slopes)
-            by_index = self._closing_rates(x, fraction).by_index[front]
+            by_place = self._closing_rates(x, fraction).by_place[front]
             moved = np.tensordot(on_closing[:, front], -pressure * per_weight, (0, 0))
-            j, point = np.nonzero(moved.any(axis=2))
-            own = moved[j, point, :, None] * by_index[j, None]
-            pairs = np.concatenate([pairs, np.column_stack([point, POINTS * front[j]])])
+            acting, near = moved.any(axis=2), by_place.any(axis=2)
+            j, point, side = np.nonzero(acting[..., None] & near[:, None])
+            own = moved[j, point, :, None] * by_place[j, side, None]
+            particle = POINTS * (front[j] + side - 1)
+            pairs = np.concatenate([pairs, np.column_stack([point, particle])])
             tangent = np.concatenate([tangent, own])
         # points of sides with any pressure
         loaded = np.zeros(len(x), np.int64)
@@ -246,10 +252,14 @@ class FluidPressureTerm(CoupledTerm):
             self.pressure_at(fraction), self._ramp_at(fraction), response.outputs[:, 0]
         )  # fmt: skip
         by_closing, by_pressure = accumulated(*self._slopes(response, pressure))
-        rates, every = self._closing_rates(x, fraction), np.arange(k)[:, None]
-        # dc_j of its own place and of the parameters
+        rates = self._closing_rates(x, fraction)
+        # dc_j of the deformed and undeformed places of a particle and its neighbours, and of the
+        # parameters
         of_closing = np.zeros((k, at_reference.stop))
-        of_closing[every, at_x.start + 2 * POINTS * every + np.arange(2)] = rates.by_index
+        for columns, near in ((at_x, rates.by_place), (at_reference, rates.by_reference)):
+            row, side, axis = np.nonzero(near)
+            column = columns.start + 2 * POINTS * (row + side - 1) + axis
+            of_closing[row, column] = near[row, side, axis]
         of_closing[:, at_parameters] = rates.by_parameter
         # dw_i = sum_j (dw_i/dc_j) dc_j + (dw_i/dp) dp
         of_weight = by_closing @ of_closing

@@ -10,6 +10,7 @@ from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.fluid_pressure import FluidPressure
 from seal_mdao.loads.pressed_sides import INNER, POINTS
+from seal_mdao.measures.contact_pressure import PointPressures
 from seal_mdao.seals.file.build import boundaries_of
 from seal_mdao.seals.file.edge_tables import FluidTable
 from seal_mdao.seals.outline.contours import Arc, Contour, Line, Outline
@@ -127,6 +128,24 @@ def test_a_seal_under_no_pressure_is_closed_as_before():
     still = sm.analyze(ring(0.0, spacing=0.6, close=3, steps=2))
     assert still.converged, still.failure
     assert peak(still, -1) == pytest.approx(peak(still, 2), rel=1e-8)
+
+
+@pytest.mark.parametrize("axis", [None, 12.0])
+def test_the_fluid_has_to_overcome_the_true_contact_pressure(axis):
+    """The normal force over the deformed length, as the measures of the contact pressure."""
+    result = sm.analyze(ring(200.0, squeeze=0.6, close=4, steps=2, axis=axis))
+    assert result.converged, result.failure
+    term, found = result.term("fluid"), np.zeros((2, result.term("fluid").output_indices))
+    index = {particle: i for i, particle in enumerate(term.particles)}
+    for label in ("lid", "wall"):
+        for row, nominal in enumerate((False, True)):
+            points = PointPressures(result, label, nominal)
+            at = [index[own] for own in result.term(label).where.at_particles]
+            np.add.at(found[row], at, points.value)
+    closing = result.response("fluid").outputs[:, 1]
+    assert closing.max() > 1000.0
+    np.testing.assert_allclose(closing, found[0], rtol=1e-12)
+    assert np.abs(found[1] / np.where(closing, closing, 1.0) - 1.0)[closing > 0.0].max() > 0.03
 
 
 # ---- tangent and derivatives ----

@@ -159,7 +159,8 @@ class FluidTable(Table):
     )
     name: Name = key("prefix of the name of its parameter, such as fluid_pressure", "fluid")
     share: number(above=0.0, most=1.0) = key(
-        "a point is dry if the contact pressure exceeds (1 + share) times the pressure of the fluid",
+        "a point is dry if the true contact pressure exceeds (1 + share) times the pressure of the "
+        "fluid",
         SHARE,
     )
 
