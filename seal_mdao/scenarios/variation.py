@@ -117,13 +117,21 @@ class Scenarios:
         return tuple(dict.fromkeys(name for own in self.variations for name in own.parameters))
 
     def check(self, seal: Seal) -> None:
-        """Raise ValueError if a seal lacks the parameters, or has another number of offsets."""
+        """Raise ValueError if a seal lacks the parameters, has another number of offsets, or has a
+        parameter of zero that is to be multiplied."""
         unknown = [name for name in self.parameters if name not in seal.scalars]
         if unknown:
             raise ValueError(
                 f"scenarios vary the unknown parameter {unknown[0]!r}; the parameters of the seal "
                 f"are {', '.join(seal.scalars)}"
             )
+        for variation in self.variations:
+            for name in variation.parameters if variation.kind == FACTOR else ():
+                if seal.scalars[name].value == 0.0:
+                    raise ValueError(
+                        f'scenarios: kind = "factor" has no effect on {name}, which is zero; use kind = '
+                        '"shift" or "value"'
+                    )
         if self.offsets is not None and self.offsets.shape[1] != seal.n_offsets:
             raise ValueError(
                 f"the boundary offsets of scenarios (offsets) must have shape ({len(self)}, "

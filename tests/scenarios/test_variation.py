@@ -102,5 +102,7 @@ def test_a_kind_is_one_of_three():
 def test_a_seal_without_the_parameter_or_with_other_offsets_is_refused():
     with pytest.raises(ValueError, match="unknown parameter 'frixion'"):
         Scenarios((Variation("frixion"),), [[0.3]]).check(sm.door_seal())
+    with pytest.raises(ValueError, match="no effect on door_shift, which is zero"):
+        Scenarios((Variation("door_shift", "factor"),), [[1.1]]).check(sm.door_seal())
     with pytest.raises(ValueError, match=r"shape \(1, 25\), got \(1, 3\)"):
         Scenarios((), np.zeros((1, 0)), np.zeros((1, 3))).check(sm.door_seal())
