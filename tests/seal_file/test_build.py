@@ -287,11 +287,24 @@ def test_coordinates_with_six_digits_touch(tmp_path, off):
     gap = nearest_at_start(cleared(file.profiles[1], outline), outline).gap
     assert gap == pytest.approx(2e-9 * outline.size, rel=1e-3)
     assert sm.analyze(build_seal(file)).converged
-    apart = lower.replace(f"[0.0, {-off}]", "[0.0, -2e-5]")
     with pytest.raises(
-        sm.SealFileError, match="none touches it at the start: the nearest one is 2e-05"
+        sm.SealFileError, match=r"none touches it at the start: the nearest one is 0\.02"
     ):
-        read(tmp_path, text.replace("start = [0.0, 6.0]", "start = [0.0, 6.00002]") + apart)
+        read(tmp_path, _apart(0.02, text, lower, off))
+    # a little receded
+    nearly = read(tmp_path, _apart(0.01, text, lower, off))
+    assert [own.contact_points for own in nearly.profiles] == ["averages"] * 2
+    touching, receded = (
+        sm.analyze(build_seal(own)).path.reaction("plate") for own in (file, nearly)
+    )
+    # the travel is shorter by both gaps
+    assert 0.95 < receded[-1, 1] / touching[-1, 1] < 1.0
+
+
+def _apart(gap, text, lower, off):
+    """The file with plates at a distance from the block."""
+    above = text.replace("start = [0.0, 6.0]", f"start = [0.0, {6.0 + gap}]")
+    return above + lower.replace(f"[0.0, {-off}]", f"[0.0, {-gap}]")
 
 
 @pytest.mark.parametrize(("scale", "word"), [(0.01, "smaller"), (1.0, None), (25.4, "larger")])

@@ -17,6 +17,9 @@ ROUNDING = 1e-9
 TYPED = 1e-6
 """Distance from the section at the start, over its size, that is rounding of the coordinates in a file:
 the profile is meant to touch."""
+NEAR = 1e-3
+"""Largest distance at the start of a profile that supports a body, over the size of the section: designs
+may recede so far from profiles that touch the nominal seal."""
 LOOK = 1e-4
 """Sagitta of the chords at whose ends gaps are evaluated, over the size of the section."""
 
@@ -149,11 +152,12 @@ def _moved_off(profile, place, distance: float, size: float):
 
 
 def rests_along_a_segment(profile, outline) -> bool:
-    """Whether a profile touches a complete segment of its edges at the start, not only a point."""
+    """Whether a profile touches or nearly touches a complete segment of its edges at the start, not only
+    a point."""
     gap, s = gap_at_start(profile), np.linspace(0.0, 1.0, 5)
     segments = [own for contour in outline.contours for own in contour.segments]
     return any(
-        max(abs(gap(*x)) for x in own.points(s)) <= TYPED * outline.size
+        max(abs(gap(*x)) for x in own.points(s)) <= NEAR * outline.size
         for own in segments
         if own.edge in profile.contact
     )

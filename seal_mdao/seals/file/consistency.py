@@ -8,7 +8,7 @@ import numpy as np
 
 from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
-from seal_mdao.seals.file.clearance import LOOK, ROUNDING, TYPED, check_start
+from seal_mdao.seals.file.clearance import LOOK, NEAR, ROUNDING, check_start
 from seal_mdao.seals.file.edge_tables import SELF_CONTACT
 from seal_mdao.seals.file.environment_table import check_environment
 from seal_mdao.seals.file.model_table import AXIAL, check_axisymmetric
@@ -479,7 +479,8 @@ def unsupported_bodies(file) -> list:
 
 
 def _check_bodies_held(file, gaps) -> None:
-    """Refuse a body without a fixed edge that no profile touches at the start, with these gaps (mm)."""
+    """Refuse a body without a fixed edge that no profile touches or nearly touches at the start, with
+    these gaps (mm)."""
     outline = file.section.outline
     for number, contours, names in unsupported_bodies(file):
         # a profile holds a body only at a particle that it touches at the start
@@ -488,7 +489,7 @@ def _check_bodies_held(file, gaps) -> None:
             for gap, profile in zip(gaps, file.profiles, strict=True)
             if names & set(profile.contact) and profile.contact_points != "edges"
         ]
-        if min(own, default=np.inf) <= TYPED * outline.size:
+        if min(own, default=np.inf) <= NEAR * outline.size:
             _check_opposed(names, file)
             continue
         # what is missing, which body, and how far the nearest profile is

@@ -12,7 +12,7 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.accuracy import with_tolerances
 from seal_mdao.seals.file.clearance import (
-    TYPED,
+    NEAR,
     nearest_at_start,
     nearest_free_edges,
     rests_along_a_segment,
@@ -206,10 +206,10 @@ def _with_contact_points(file: SealFile) -> tuple:
 
 def _at_particles(file: SealFile, edges: set) -> list[str]:
     """List the profiles that hold a body with these edges at single particles: those that do not touch a
-    complete segment of it at the start; all of them if one does not touch."""
+    complete segment of it at the start; all of them if one does not touch or nearly touch."""
     outline = file.section.outline
     profiles = [own for own in file.profiles if edges & set(own.contact)]
     every = isinstance(file.section.spacing, Rays) or any(
-        nearest_at_start(own, outline).gap > TYPED * outline.size for own in profiles
+        nearest_at_start(own, outline).gap > NEAR * outline.size for own in profiles
     )
     return [own.name for own in profiles if every or not rests_along_a_segment(own, outline)]
