@@ -15,10 +15,10 @@ PRESSURES = ("pressure", "nominal_pressure")
 def write_vtu_series(result, folder) -> Path:
     """Write a VTU file for the undeformed section and for every nominal step of a result.
 
-    Points are the undeformed particles (mm); ``displacement`` (mm), ``von_mises`` (kPa), ``det_F`` and,
-    for every profile, its true and its nominal contact pressure (kPa; force over deformed and over
-    undeformed length) are data of the points. In ParaView open the series
-    and warp by ``displacement``.
+    Points are the undeformed particles (mm); ``displacement`` (mm), ``von_mises`` (kPa), ``det_F``
+    (volume ratio, with the stretch across the section) and, for every profile, its true and its nominal
+    contact pressure (kPa; force over deformed and over undeformed length) are data of the points. In
+    ParaView open the series and warp by ``displacement``.
 
     Parameters
     ----------
@@ -55,19 +55,19 @@ def write_vtu_series(result, folder) -> Path:
 
 def point_data(result, step: int) -> dict[str, np.ndarray]:
     """Compute the fields at the particles after a nominal step, by name."""
-    f = result.gradient(step)
     data = {
         "displacement": flat(result.displacement(step)),
         "von_mises": result.stress_field(step),
-        # F = (F11, F12, F21, F22):  J = F11 F22 - F12 F21
-        "det_F": f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2],
+        "det_F": result.volume_ratio(step),
     }
     for contact in contacts(result.seal):
         response = result.path.at_nominal(contact.label)[step]
         # pressures at contact points, averaged to the particles for a point field
         values = true_pressure(result, contact, step), nominal_pressure(contact, response)
         for kind, own in zip(PRESSURES, values, strict=True):
-            data[f"{kind}_{contact.label}"] = contact.where.mean_at_particles(own, len(f))
+            data[f"{kind}_{contact.label}"] = contact.where.mean_at_particles(
+                own, len(result.particles)
+            )
     return data
 
 

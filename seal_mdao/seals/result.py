@@ -352,6 +352,15 @@ class SealResult:
         table = self.path.discretization.everywhere.table
         return deformation_gradients(table, self.path.nominal_steps[step].d)[:, :4]
 
+    def volume_ratio(self, step: int = -1) -> np.ndarray:
+        """Deformed over undeformed volume at the particles after a nominal step: det F with the stretch
+        across the section, shape (n,)."""
+        path, table = self.path, self.path.discretization.everywhere.table
+        own, body = path.nominal_steps[step], path.problem.term("structure").definition
+        # column 4: J - 1, in a body of revolution with h = r / R
+        change = deformation_gradients(table, own.d)[:, 4]
+        return (1.0 + change) * body.axial_stretch(own.fraction)
+
     def stress_field(self, step: int = -1) -> np.ndarray:
         """Von Mises stress at all particles after a nominal step, shape (n,), kPa."""
         every = np.arange(len(self.particles))

@@ -239,8 +239,13 @@ def fill_deformations(cells, functions: np.ndarray, d: np.ndarray, out: Deformat
 
 
 def lowest_jacobian(path) -> float:
-    """Least det F of all quadrature points at the nominal steps of a path; 1 before the first."""
+    """Least det F, with the stretch across the section, of all quadrature points at the nominal steps of
+    a path; 1 before the first."""
     structure, steps = path.problem.term("structure"), path.nominal_steps
     fields = (structure.deformation_of(step.d[None], [step.fraction]) for step in steps)
-    found = [field.jacobian.min() for field in fields]
+    # J = h det F in a stretched section; in a body of revolution h = r / R is part of the field
+    found = [
+        field.jacobian.min() * structure.definition.axial_stretch(step.fraction)
+        for field, step in zip(fields, steps, strict=True)
+    ]
     return float(min(found, default=1.0))

@@ -1,6 +1,7 @@
 """Temperature, swelling and axial stretch of seal files: derivatives, equal steps, refusals."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ from quotients import quotients
 from ring_files import ring
 
 import seal_mdao as sm
+from seal_mdao.export.vtu import point_data
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.materials.stretch_and_growth import Conditions, derivatives
 from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.seals.evaluation_points import EvaluationPoints
+from seal_mdao.structure.deformation import lowest_jacobian
 
 HEATED = '"entropic"\nexpansion = 5e-4\nswelling = 1.06'
 MEASURES = """\
@@ -191,6 +194,24 @@ def test_checks_know_the_stretch_along_the_section(tmp_path):
     # J - 1 = p / K with stresses up to two shear moduli, K = 20 of them; det F is 0.53
     np.testing.assert_allclose(samples.volume_change[free], 1.0, atol=0.1)
     np.testing.assert_allclose(samples.stretches[free, 1], 1.9, rtol=1e-12)
+
+
+@pytest.mark.parametrize("given", [LONG, AROUND], ids=["long", "ring"])
+def test_volume_ratios_contain_the_stretch_across_the_section(tmp_path, given):
+    """J = h det F: of exported fields and of the least one of a path."""
+    result = sm.analyze(exact_seal(tmp_path, given))
+    f = result.gradient()
+    h = 1.04 if given is LONG else result.deformed()[:, 0] / result.particles[:, 0]
+    expected = h * (f[:, 0] * f[:, 3] - f[:, 1] * f[:, 2])
+    np.testing.assert_allclose(result.volume_ratio(), expected, rtol=1e-12)
+    np.testing.assert_array_equal(point_data(result, -1)["det_F"], result.volume_ratio())
+    # at the quadrature points after the last step: F_11 F_22 - F_12 F_21
+    end = result.path.steps[-1]
+    f11, f12, f21, f22, _, *hoop = np.moveaxis(
+        result.term("structure").deformation_of(end.d[None], [end.fraction]).f[0], -1, 0
+    )
+    least = np.min((f11 * f22 - f12 * f21) * (hoop[0] if hoop else 1.04))
+    assert lowest_jacobian(replace(result.path, steps=(end,))) == pytest.approx(least, rel=1e-12)
 
 
 @pytest.mark.parametrize(
