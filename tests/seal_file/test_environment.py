@@ -155,6 +155,23 @@ def test_trapped_air_is_heated_and_stretched(tmp_path):
             assert bound.max() <= 1e-5 * np.abs(one).max(), (name, measure)
 
 
+def test_air_is_heated_in_a_rubber_that_does_not_depend_on_temperature(tmp_path):
+    """Its pressure lifts the lid more than that of cold air; a temperature alone is no error."""
+    plane = AIR.replace('kinematics = "generalised_plane_strain"\naxial_stretch = 1.05\n', "")
+    plane = plane.replace("expansion = 2e-4\n", "")
+    results = []
+    for given in (plane, plane.replace("temperature = 70\n", "")):
+        result = sm.analyze(exact_seal(tmp_path, given))
+        result.require_converged()
+        nominal = abs(polygon_area(result.particles[result.seal.body.edge("inside").particles])[0])
+        pressure, area = result.path.at_nominal("air")[-1].outputs[0]
+        hot = 343.15 / 296.15 if "temperature" in given else 1.0
+        assert pressure == pytest.approx(101.325 * (hot * (nominal / area) ** 1.4 - 1.0), rel=1e-10)
+        results.append(result)
+    hot, cold = (own.path.reaction("lid")[-1, 1] for own in results)
+    assert hot > 1.01 * cold
+
+
 def test_values_at_the_ends_of_stages(tmp_path):
     given = LONG.replace(
         "stage = [{ translate = [0, -0.5], steps = 3 }]",
@@ -304,7 +321,9 @@ def test_a_ring_has_no_axial_stretch(tmp_path):
 
 def test_a_temperature_that_changes_nothing_is_refused(tmp_path):
     given = LONG.replace(f"{HEATED_KEYS}\n", "")
-    with pytest.raises(sm.SealFileError, match="but no material depends on temperature; give a"):
+    with pytest.raises(
+        sm.SealFileError, match="no material depends on temperature, and there is no"
+    ):
         read(tmp_path, given)
 
 

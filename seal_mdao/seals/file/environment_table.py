@@ -102,11 +102,15 @@ def _check_temperature(file) -> None:
         for name, own in file.material_tables.items():
             _refuse_without_temperature(name, own)
         return
-    if not any(own.changes_with_temperature for own in file.material_tables.values()):
+    # trapped air is heated with the seal
+    if not file.cavities and not any(
+        own.changes_with_temperature for own in file.material_tables.values()
+    ):
         raise SealFileError(
             f"[model]: temperature = {formatted(file.model.temperature)}, but no material depends "
-            "on temperature; give a material an expansion (rubber about 2e-4 1/K), a "
-            "modulus_over_temperature or a shift of its relaxation times, or leave temperature out"
+            "on temperature, and there is no trapped air ([[cavity]]); give a material an expansion "
+            "(rubber about 2e-4 1/K), a modulus_over_temperature or a shift of its relaxation times, "
+            "or leave temperature out"
         )
 
 
