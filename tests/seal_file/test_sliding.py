@@ -17,6 +17,7 @@ MOVED = '[[moved]]\nedges = ["top"]\ndirections = ["y"]\n' + DOWN
 
 @pytest.mark.parametrize("tables", [
     [PLATES.format(friction=0.0)], [ROLLERS, LID + DOWN], [ROLLERS, MOVED],
+    [ROLLERS, LID + DOWN, '[self_contact]\nedges = ["left", "right"]\nfriction = 0.5\n'],
     [ROLLERS, LID.replace("0.0", "{ top = 0.0, right = 0.0, left = 0.0 }") + DOWN],
 ])  # fmt: skip
 def test_a_section_that_can_slide_is_refused(tmp_path, tables):

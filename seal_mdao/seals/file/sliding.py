@@ -15,10 +15,10 @@ def check_sliding(file) -> None:
     """Raise SealFileError for a body of a ``SealFile`` that can slide along a line without resistance:
     no edge has a prescribed displacement along it, and all profiles that may touch the body are straight
     lines parallel to it, without friction. Its position along this line would be arbitrary."""
-    # another body or a force of an extension may hold it
-    if file.self_contact is not None or file.terms:
-        return
     outline = file.section.outline
+    # another body or a force of an extension may hold it
+    if (file.self_contact is not None and outline.others) or file.terms:
+        return
     for number, contours in enumerate(outline.bodies, 1):
         names = {name for contour in contours for name in contour.edge_names}
         profiles = [own for own in file.profiles if names & set(own.contact)]
