@@ -84,12 +84,13 @@ def not_exported(file: SealFile, seal: OutlineSeal) -> list[str]:
     found = [f"[[cavity]] of hole {own.hole}: trapped air" for own in file.cavities]
     found += [f"[[fluid]] {own.name!r}: fluid pressure" for own in file.fluids]
     found += [f"[[term]] {own.name!r}" for own in file.terms]
-    if file.environment is not None:
-        found.append(
-            "[model]: temperature, swelling and axial_stretch; the materials have their constants "
-            "of the reference state"
-        )
+    reference = "the materials have their constants of the reference state"
+    for name in ("temperature", "axial_stretch"):
+        if getattr(file.model, name) is not None:
+            found.append(f"[model]: {name}; {reference}")
     for name, own in file.material_tables.items():
+        if own.swelling is not None:
+            found.append(f"[material.{name}]: swelling; {reference}")
         if own.viscoelastic is not None:
             found.append(f"[material.{name}.viscoelastic]: relaxation")
         if own.softening is not None:

@@ -327,7 +327,12 @@ def test_what_is_not_exported_is_reported(exported, tmp_path):
     own = exported("sealed_bulb")
     assert own.left_out == ["[[cavity]] of hole 1: trapped air"]
     assert "** NOT EXPORTED: [[cavity]] of hole 1: trapped air" in own.text
-    assert "[material.sponge.viscoelastic]: relaxation" in exported("slammed_strip").left_out
+    slammed = exported("slammed_strip").left_out
+    assert "[material.sponge.viscoelastic]: relaxation" in slammed
+    # the conditions that the file has, and no others
+    assert not [text for text in slammed if "temperature" in text or "axial_stretch" in text]
+    stretched = [text.partition(";")[0] for text in exported("stretched_strip").left_out]
+    assert stretched == ["[model]: temperature", "[model]: axial_stretch"]
     fluid = exported("o_ring_under_pressure")
     assert not_exported(fluid.file, fluid.seal) == ["[[fluid]] 'fluid': fluid pressure"]
 
