@@ -60,16 +60,13 @@ def build_seal(
     TypeError
         For anything else than a ``SealFile`` or a path.
     """
-    if isinstance(file, str | Path):
-        file = read_seal_file(file)
-    values.instance("file", file, SealFile)
     return file_and_seal(
         file, callback, step_ends=step_ends, penalties=penalties, unchosen=unchosen, filling=filling
     )[1]
 
 
 def file_and_seal(
-    file: SealFile,
+    file: SealFile | str | Path,
     callback: Callable | None = None,
     report: Callable[[Cloud], None] | None = None,
     *,
@@ -85,6 +82,9 @@ def file_and_seal(
     report : callable, optional
         As of ``accuracy.chosen_spacing.refine``.
     """
+    if isinstance(file, str | Path):
+        file = read_seal_file(file)
+    values.instance("file", file, SealFile)
     if filling is not None:
         file = with_filling(file, filling)
     if file.leaves_particles_open:

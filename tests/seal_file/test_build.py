@@ -8,7 +8,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.cli.examples import examples_folder
-from seal_mdao.file_seal import build_seal
+from seal_mdao.file_seal import build_seal, file_and_seal
 from seal_mdao.rkpm.cells import cell_map, quadrature_weights
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.clearance import cleared, nearest_at_start
@@ -45,6 +45,9 @@ def test_a_path_makes_the_same_seal_as_the_file_that_is_read(tmp_path):
     seal = build_seal(file)
     for path in (file.path, str(file.path)):
         assert np.array_equal(build_seal(path).nominal_particles, seal.nominal_particles)
+        own, other = file_and_seal(path)
+        assert own.path == file.path
+        assert np.array_equal(other.nominal_particles, seal.nominal_particles)
     with pytest.raises(sm.SealFileError, match="there is no such file"):
         build_seal(tmp_path / "none.toml")
 
