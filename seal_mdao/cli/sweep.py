@@ -64,7 +64,7 @@ def main(arguments) -> int:
             write_table(arguments.out / "sweep.csv", own.name, rows)
             write_sweep_curves(own.name, results, arguments.out / "curves.csv")
     # measures that some rows do not have are None there
-    rows = [{key: line.get(key) for key in max(rows, key=len)} for line in rows]
+    rows = [{key: line.get(key) for key in columns_of(rows)} for line in rows]
     warned = warnings_of(results)
     summary = {
         "parameter": own.name, "unit": own.unit, "values": rows, "units": units, "warnings": warned,
@@ -205,10 +205,15 @@ def shown(value) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
+def columns_of(rows: list[dict]) -> list[str]:
+    """List the keys of all rows in order. A failed analysis has no measures, and another nominal seal
+    may have another number of values, such as contact pressures of one or two regions."""
+    return list(dict.fromkeys(key for row in rows for key in row))
+
+
 def write_table(path: Path, name: str, rows: list[dict]) -> None:
     """Write the rows as CSV, the varied number by its name."""
-    # all columns of a completed analysis
-    columns = max(rows, key=len)
+    columns = columns_of(rows)
     with path.open("w", newline="", encoding="utf-8") as file:
         # empty fields for failed analyses
         writer = csv.writer(file)

@@ -24,7 +24,7 @@ from seal_mdao.cli.analyze import stress_line
 from seal_mdao.cli.arguments import WrongArgumentError, parser, run
 from seal_mdao.cli.compare import KEYS, names_of, print_table
 from seal_mdao.cli.subcommands import COMMANDS, main
-from seal_mdao.cli.sweep import warnings_of
+from seal_mdao.cli.sweep import warnings_of, write_table
 from seal_mdao.plotting.animation import check_format
 from seal_mdao.plotting.captions import caption
 from seal_mdao.seals.result import SealResult
@@ -336,6 +336,22 @@ def test_a_sweep_has_measures_whose_points_the_nominal_seal_determines(bulb, tmp
     assert stresses == pytest.approx(list(result.value("von_mises")), rel=1e-9)
     assert units["contact_pressure"] == units["von_mises_2"] == "kPa"
     assert (out / "measures.png").is_file()
+
+
+def test_values_of_one_and_of_two_contact_regions_are_in_one_table(tmp_path):
+    state = {"converged": True, "trustworthy": True}
+    rows = [
+        {"value": 1.0, "converged": False, "trustworthy": False},
+        {"value": 2.0} | state | {"contact_pressure": 30.0},
+        {"value": 3.0} | state | {"contact_pressure_1": 40.0, "contact_pressure_2": 50.0},
+    ]
+    path = tmp_path / "sweep.csv"
+    write_table(path, "travel", rows)
+    with path.open(newline="") as file:
+        found = list(csv.DictReader(file))
+    assert [row["contact_pressure"] for row in found] == ["", "30", ""]
+    assert [row["contact_pressure_2"] for row in found] == ["", "", "50"]
+    assert list(found[0])[:2] == ["travel", "converged"]
 
 
 def test_a_sweep_prints_each_warning_once(bulb, tmp_path, capsys, monkeypatch):
