@@ -94,7 +94,11 @@ class TributaryLengths:
         if self.radial is not None:
             by_end[..., 0] += self._lengths(x)[..., None] * self.radial
         out = np.zeros((len(self.ends), 3, 2))
-        np.add.at(out, (np.arange(len(out))[:, None, None], 1 + self.offsets), by_end)
+        rows = np.arange(len(out))
+        # a row occurs once for each end of each side
+        for side in range(by_end.shape[1]):
+            for end in range(2):
+                out[rows, 1 + self.offsets[:, side, end]] += by_end[:, side, end]
         return out
 
     def _lengths(self, x) -> np.ndarray:
