@@ -80,7 +80,11 @@ class ReactionTable(OfProfile):
         "move, along the path of the first moving profile; default: the end",
         None,
     )
-    stage: Stages | None = key("instead of travel: ends of stages", None)
+    stage: Stages | None = key(
+        "instead of travel: ends of stages, which are those of the first profile or moved edges that "
+        "have stages, also for the force on another profile",
+        None,
+    )
     time: Times | None = key("instead of travel: times, for a seal whose material relaxes", None)
     length: number("mm", above=0.0) | None = key(
         "length of the seal for a force in N; default: force per length in N/m", None

@@ -232,8 +232,8 @@ class ProfileWorkTable(OfProfile):
     """Work of a profile on the seal; for a closed cycle the hysteresis loss."""
 
     stage: StagePair | None = key(
-        "two stages between whose ends the work is computed, such as [2, 4]; default: the "
-        "complete path",
+        "two stages between whose ends the work is computed, such as [2, 4], which are those of the "
+        "first profile or moved edges that have stages; default: the complete path",
         None,
     )
 
