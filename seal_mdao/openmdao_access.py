@@ -27,7 +27,8 @@ class RunOnce(om.NonlinearRunOnce):
     """Run the subsystems of a group once; if an analysis fails, set all their variables to NaN.
 
     Subsystems behind the one that failed do not run: a driver that continues would record their values
-    of the last design for this one.
+    of the last design for this one. Subsystems that run only before or after the optimisation (option
+    ``group_by_pre_opt_post`` of the problem) keep their values.
     """
 
     def solve(self):
@@ -35,7 +36,9 @@ class RunOnce(om.NonlinearRunOnce):
         try:
             super().solve()
         except om.AnalysisError:
-            for component in self._system().system_iter(recurse=True, typ=om.ExplicitComponent):
+            system = self._system()
+            components = system.system_iter(recurse=True, typ=om.ExplicitComponent)
+            for component in system._relevance.filter(components):
                 # independent variables are the design, and may not be set again for the next one
                 if not isinstance(component, om.IndepVarComp):
                     for vector in (component._inputs, component._outputs):

@@ -41,6 +41,14 @@ class Extension(NamedTuple):
 
 
 _registered: dict[tuple[str, str], Extension] = {}
+_replaced: list[tuple[str, str]] = []
+"""Kind and name of every registered definition that another one has replaced."""
+
+
+def replacements() -> int:
+    """Count the registered definitions that were replaced in this process: seal files that are read
+    before and after a replacement may describe different seals by the same text."""
+    return len(_replaced)
 
 
 def register(kind: str, name: str, value=None):
@@ -84,6 +92,8 @@ def register(kind: str, name: str, value=None):
             "another name"
         )
     _checked(kind, name, new.source, value)
+    if old.load() is not value:
+        _replaced.append((kind, name))
     _registered[kind, name] = new
     return value
 

@@ -35,9 +35,10 @@ def warn_of_faults(where: str, faults: Iterable[str], reported: set[str]) -> Non
     for text in faults:
         kind = without_numbers(text)
         if kind not in reported:
-            reported.add(kind)
             message = f"the result is not trustworthy: {text}"
             om.issue_warning(message, prefix=where, category=UntrustworthyResultWarning)
+            # a warning that a filter raises as an error is raised by the next run, too
+            reported.add(kind)
 
 
 @contextmanager

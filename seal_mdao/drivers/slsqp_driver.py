@@ -2,6 +2,7 @@
 
 import sys
 
+import numpy as np
 import openmdao.api as om
 from tqdm import tqdm
 
@@ -9,7 +10,7 @@ from seal_mdao.components.failures import warn_of_faults
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimizer_driver import VIOLATED
 from seal_mdao.drivers.solver_libraries import count, tolerance
-from seal_mdao.openmdao_access import FailedCases, faults, problem_of, snapshot
+from seal_mdao.openmdao_access import FailedCases, faults, problem_of, scaled_bounds, snapshot
 
 FAILED_OBJECTIVE = 1e20
 """Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
@@ -48,11 +49,12 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         Raises
         ------
         ValueError
-            For an invalid tolerance or iteration limit.
+            For an invalid tolerance or iteration limit, or a negative scaler.
         """
         # OpenMDAO's driver does not check its options
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
+        _require_positive_scalers(self)
         self.failed_analyses, self.case_failure, self.exit_message = 0, "", ""
         model = self._model = problem_of(self).model
         self._restore = None
@@ -105,3 +107,15 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
             value = super().get_objective_values()
             text = self.case_failure or ", ".join(f"{n} = {v.item():.6e}" for n, v in value.items())
             tqdm.write(f"analysis {self.iter_count}: {text}")
+
+
+def _require_positive_scalers(driver: SlsqpDriver) -> None:
+    """Raise ValueError for a negative scaler: OpenMDAO's driver would take an upper bound as a lower
+    one, and report a design that violates it as a success."""
+    for kind in ("design_var", "constraint"):
+        for name, (*_, equals, scaler) in scaled_bounds(driver, kind).items():
+            if equals is None and scaler is not None and np.min(scaler) < 0.0:
+                raise ValueError(
+                    f"SlsqpDriver cannot use the negative scaler of {name!r}, which exchanges its lower "
+                    "and upper bounds; use ref > ref0, or the driver UnoDriver or IpoptDriver"
+                )

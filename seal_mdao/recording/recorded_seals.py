@@ -131,24 +131,26 @@ def _settings_by_path(model: RecordedModel) -> dict[str, str]:
 
 def inputs_of_seals(model) -> list[str]:
     """Return absolute names of the inputs of all seals of a model."""
-    return _of_seals(model, "input", (CONTACT, GEOMETRY, SCENARIOS))
-
-
-def outputs_of_seals(model) -> list[str]:
-    """Return absolute names of the outputs of all seals of a model, except those of scenarios: NaN in
-    them may mean a scenario that was left out."""
-    return _of_seals(model, "output", (CONTACT, GEOMETRY))
-
-
-def _of_seals(model, kind: str, components: tuple) -> list[str]:
     names = []
     for group in model.system_iter(include_self=True, recurse=True, typ=om.Group):
         # groups with a seal are those that have the option for its settings
         if SETTINGS_OPTION in group.options:
             path = f"{group.pathname}." if group.pathname else ""
-            wanted = tuple(path + own for own in components)
-            names += [n for n, _ in group.abs_meta_iter(kind) if n.startswith(wanted)]
+            wanted = tuple(path + own for own in (CONTACT, GEOMETRY, SCENARIOS))
+            names += [n for n, _ in group.abs_meta_iter("input") if n.startswith(wanted)]
     return names
+
+
+def outputs_of_seals(model) -> list[str]:
+    """Return absolute names of the outputs of all components with a seal, which are NaN after a failed
+    analysis, be they in a group of a seal or not."""
+    components = model.system_iter(recurse=True, typ=om.ExplicitComponent)
+    return [
+        name
+        for component in components
+        if "seal" in component.options
+        for name, _ in component.abs_meta_iter("output")
+    ]
 
 
 # ---- inputs at recorded points ----

@@ -113,10 +113,13 @@ class RestartRecorder(SqliteHooks):
                 data["input"][name] = value.copy()
 
     def _has_failed(self, driver) -> bool:
-        """Return whether outputs of seals are NaN: OpenMDAO's DOEDriver records failures as good."""
+        """Return whether an output of a seal is NaN: OpenMDAO's DOEDriver records failures as good.
+
+        A single row of an output that is NaN is a scenario that was left out, not a failure.
+        """
         outputs = problem_of(driver).model.get_nonlinear_vectors()[1]
         values = [find_value(outputs, name) for name in self._seals[1]]
-        return any(value is not None and np.isnan(value).any() for value in values)
+        return any(value is not None and np.isnan(value).all() for value in values)
 
     def _log_begin(self) -> None:
         """Log that a run writes; for a continued one at its first new case, as it may be refused."""

@@ -16,6 +16,7 @@ from seal_mdao.equilibrium.discretization import Body
 from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.measures.section_shape import cells_area
+from seal_mdao.registry import replacements
 from seal_mdao.seals.conditions import check_conditions, conditions_of
 from seal_mdao.seals.result_units import ResultUnits, result_units
 from seal_mdao.terms.term import Scalar
@@ -347,12 +348,17 @@ class Seal:
         """
         self.__dict__["description"] = description
         if description:
-            self.__dict__["_origin"] = json.dumps(description)
+            # the same text after an extension was registered anew describes another seal
+            self.__dict__["_origin"] = replacements(), json.dumps(description)
         return self
 
     def _made_as(self, seal: "Seal", **more) -> "Seal":
         """Set the description of another seal, with changes, as that of this one."""
-        return self.made_from(seal.description and seal.description | more)
+        self.made_from(seal.description and seal.description | more)
+        if self.description:
+            # made of the extensions of that seal
+            self.__dict__["_origin"] = seal._origin[0], self._origin[1]
+        return self
 
     def settings(self) -> str:
         """Return the seal as JSON, from which it can be rebuilt; empty where that is not possible."""

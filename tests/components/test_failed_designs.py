@@ -3,6 +3,7 @@
 import numpy as np
 import openmdao.api as om
 import pytest
+from openmdao.core.driver import Driver
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
@@ -50,6 +51,43 @@ def test_doe_with_a_failed_case_records_nan_for_it_and_continues(short, mode, al
         for found in (values, slopes):
             assert (np.isfinite(found) if good else np.isnan(found)).all()
         assert slopes.shape == (1, 25)
+
+
+class ContinuingDriver(Driver):
+    """Run the model at several values of c10, as drivers of OpenMDAO that continue after failures do:
+    without the components that run before or after an optimisation."""
+
+    def __init__(self):
+        super().__init__()
+        self.supports["optimization"] = True
+        self.found = []
+
+    def run(self):
+        problem = self._problem()
+        for value in (80.0, -5.0, 90.0):
+            problem.set_val("c10", value)
+            try:
+                with problem.model._relevance.nonlinear_active("iter"):
+                    self._run_solve_nonlinear()
+            except om.AnalysisError:
+                pass
+            self.found.append(problem.get_val("reaction")[1])
+        return False
+
+
+@pytest.mark.parametrize("grouped", [False, True])
+def test_components_that_run_before_the_optimisation_keep_their_values(short, grouped):
+    """With c10 as the only design variable the particles are computed once."""
+    problem = om.Problem(driver=ContinuingDriver(), reports=None)
+    problem.options["group_by_pre_opt_post"] = grouped
+    seal = sm.SealGroup(seal=short, measures=("reaction",), parameters=("c10",))
+    problem.model.add_subsystem("seal", seal, promotes=["*"])
+    problem.model.add_design_var("c10", lower=-10.0, upper=200.0)
+    problem.model.add_objective("reaction", index=1)
+    problem.setup()
+    problem.run_driver()
+    expected = [sm.analyze(short, None, {"c10": c10}).value("reaction")[1] for c10 in (80.0, 90.0)]
+    assert problem.driver.found == [expected[0], pytest.approx(np.nan, nan_ok=True), expected[1]]
 
 
 def failing(seal, problem):
@@ -102,3 +140,47 @@ def test_scenarios_of_an_inadmissible_design_are_a_failed_analysis(short, proble
         with pytest.raises(om.AnalysisError, match=name):
             made.run_model()
         assert np.isnan(made.get_val("reaction_mean")).all()
+
+
+@pytest.mark.parametrize("kind", ["scenarios", "component"])
+def test_restart_recorder_marks_failed_cases_of_every_kind_of_seal(short, kind):
+    """OpenMDAO's DOEDriver records every case as a success."""
+    if kind == "scenarios":
+        varied = sm.Scenarios((sm.Variation("friction"),), np.array([[0.2], [0.3]]))
+        system = sm.ScenarioGroup(
+            seal=short, scenarios=varied, measures=("reaction",), parameters=("c10",), workers=0
+        )
+    else:
+        system = RkpmContactComp(seal=short, measures=("reaction",), parameters=("c10",))
+    cases = [[("c10", value)] for value in (80.0, -5.0, 90.0)]
+    problem = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
+    problem.model.add_subsystem("seal", system, promotes=["*"])
+    problem.model.add_design_var("c10", lower=-10.0, upper=200.0)
+    problem.model.add_objective("reaction_mean" if kind == "scenarios" else "reaction", index=1)
+    problem.driver.add_recorder(sm.RestartRecorder("doe.sql"))
+    problem.setup()
+    problem.run_driver()
+    problem.cleanup()
+    reader = om.CaseReader(problem.get_outputs_dir() / "doe.sql")
+    names = reader.list_cases("driver", out_stream=None)
+    assert [reader.get_case(name).success for name in names] == [1, 0, 1]
+
+
+def test_restart_recorder_does_not_mark_scenarios_that_were_left_out(short):
+    numbers = np.array([[0.2, 0.0], [0.3, 0.0], [0.3, -5.0]])  # the last one has no such material
+    varied = sm.Scenarios((sm.Variation("friction"), sm.Variation("c10", "shift")), numbers)
+    problem = om.Problem(driver=om.DOEDriver(om.ListGenerator([[("c10", 4.0)]])), reports=None)
+    group = sm.ScenarioGroup(
+        seal=short, scenarios=varied, measures=("reaction",), parameters=("c10",), workers=0,
+        failed="leave_out",
+    )  # fmt: skip
+    problem.model.add_subsystem("seal", group, promotes=["*"])
+    problem.model.add_design_var("c10", lower=0.0, upper=200.0)
+    problem.model.add_objective("reaction_mean", index=1)
+    problem.driver.add_recorder(sm.RestartRecorder("doe.sql"))
+    problem.setup()
+    problem.run_driver()
+    problem.cleanup()
+    case = om.CaseReader(problem.get_outputs_dir() / "doe.sql").get_case(0)
+    assert problem.get_val("share_failed") == pytest.approx(1.0 / 3.0)
+    assert case.success == 1

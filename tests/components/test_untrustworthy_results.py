@@ -43,6 +43,15 @@ def test_group_warns_once_for_every_fault_and_not_for_derivatives(deep, problem)
     assert made.model.seal.contact.faults() != faults
 
 
+def test_warning_that_is_an_error_stops_every_run(deep, problem):
+    made = problem(sm.SealGroup(seal=deep))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", sm.UntrustworthyResultWarning)
+        for _ in range(2):
+            with pytest.raises(sm.UntrustworthyResultWarning, match=CORNER):
+                made.run_model()
+
+
 def test_scenarios_name_the_scenario_with_the_fault(deep, problem):
     numbers = np.array([[0.2], [-1.2]])
     varied = sm.Scenarios((sm.Variation("lid_y", "shift"),), 1.2 + numbers)

@@ -106,3 +106,16 @@ def test_line_per_analysis_on_request(capsys):
     prob = plane_problem(sm.SlsqpDriver(), (-1.2, 1), rosenbrock, d_rosenbrock)
     prob.run_driver()
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("scaled", ["x", "y"])
+def test_negative_scaler_is_an_error(scaled):
+    """OpenMDAO would keep y above its upper bound, which the start satisfies, and report a success."""
+    prob = om.Problem(driver=sm.SlsqpDriver(disp=False), reports=None)
+    prob.model.add_subsystem("f", om.ExecComp(["f = (x - 3)**2", "y = x"]), promotes=["*"])
+    prob.model.add_design_var("x", lower=-10.0, upper=10.0, ref=-1.0 if scaled == "x" else 1.0)
+    prob.model.add_constraint("y", upper=1.0, ref=-1.0 if scaled == "y" else 1.0)
+    prob.model.add_objective("f")
+    prob.setup()
+    with pytest.raises(ValueError, match=f"negative scaler of '.*{scaled}'.*UnoDriver"):
+        prob.run_driver()

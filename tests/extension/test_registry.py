@@ -281,3 +281,29 @@ def test_what_was_read_may_be_changed(tmp_path):
     assert moved.friction is profile.friction
     assert moved.shape is profile.shape
     assert replace(term, name="other").arguments == {"stiffness": 300.0}
+
+
+def test_a_law_that_is_registered_anew_is_another_seal(tmp_path, monkeypatch):
+    """As when the cell of a notebook is changed and run again: the text of the file is the same."""
+    monkeypatch.setattr("seal_mdao.registry._registered", dict(registry._registered))
+    (tmp_path / "block.toml").write_text(
+        BLOCK.replace(GIVEN, 'friction = { law = "edited", friction = 0.5 }')
+    )
+
+    def built(factor):
+        @sm.register("friction_laws", "edited")
+        def edited(pressure, friction):
+            return factor * friction * pressure
+
+        return sm.build_seal(tmp_path / "block.toml")
+
+    cache, first = sm.AnalysisCache(), built(1.0)
+    before, placed = cache.analyze(first), first.with_placements()
+    second = built(0.2)
+    after = cache.analyze(second)
+    assert after.value("reaction") == sm.analyze(second).value("reaction")
+    assert after.value("reaction") != before.value("reaction")
+    # the first seal has its law of then, with other parameters too
+    assert cache.analyze(first).value("reaction") == before.value("reaction")
+    assert first.with_placements().key == placed.key != second.with_placements().key
+    assert cache.made == 2
