@@ -131,7 +131,7 @@ def analyzed(file, report: Callable | None = None) -> tuple[sm.SealFile, SealRes
 
 def differentiated(result: SealResult) -> SealResult:
     """Return a result with the gradients of its measures, where it is completed and has measures."""
-    if not result.converged or not result.seal.standard:
+    if not result.converged or not result.seal.standard or result.gradients is not None:
         return result
     with warnings.catch_warnings():
         # one-sided derivatives concern those who change the design
@@ -148,6 +148,7 @@ def errors_of(file, result: SealResult) -> dict:
 
 def summarize(result: SealResult) -> dict:
     """Collect summary.json; results at the end of the path are None when it was not completed."""
+    result = differentiated(result)
     # state of every profile after every load step
     every, steps, profiles = (
         moving_histories(result), result.path.nominal_steps, len(contacts(result.seal))
