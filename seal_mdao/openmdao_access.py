@@ -215,6 +215,16 @@ def constant_constraints(driver: Driver) -> list[str]:
     return [name for name, meta in driver._cons.items() if meta["source"] in constants]
 
 
+def run_afterwards(driver: Driver) -> set[str]:
+    """Return the paths of components that OpenMDAO runs only after an optimisation (option
+    ``group_by_pre_opt_post``), because no response depends on them.
+
+    During the optimisation their variables have values of an earlier run, or initial ones.
+    """
+    components = problem_of(driver).model._post_components
+    return set(components or ()) if driver.supports["optimization"] else set()
+
+
 def scaled_bounds(driver: Driver, kind: str) -> dict[str, tuple]:
     """Return lower bound, upper bound, equality value and scaler (or None) by name, in driver scaling.
 

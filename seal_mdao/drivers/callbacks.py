@@ -24,8 +24,8 @@ class SolverCallbacks:
     feas_tol : float
         Largest scaled constraint violation of a feasible point.
     max_failures : int
-        Failed analyses after which the run is stopped; each success cancels one failure. An optimiser
-        at the edge of a region of failures has several in every iteration.
+        Failed analyses after which the run is stopped; each point with derivatives cancels one. An
+        optimiser at the edge of a region of failures has several in every iteration.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class SolverCallbacks:
         if self._totals[0] != key:
             self._totals = key, self.evaluator.totals(x)
             self.firm = min(self.firm, self.evaluator.evaluate(x), key=self._rank)
-            # a success cancels one failure
+            # a point with derivatives cancels one failure
             self._failures = max(0, self._failures - 1)
         return self._totals[1]
 

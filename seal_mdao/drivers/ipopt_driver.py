@@ -63,7 +63,8 @@ class IpoptDriver(OptimizerDriver):
     disp : bool, optional
         Print a line per iteration; by default where the output is a terminal.
     max_failures : int
-        Failed analyses after which the run is stopped; a success cancels one failure (15).
+        Failed analyses after which the run is stopped; a design with derivatives cancels one failure
+        (15).
     singular_jac_behavior : {"warn", "error", "ignore"}
         Action for zero rows or columns of the first total Jacobian.
     singular_jac_tol : float

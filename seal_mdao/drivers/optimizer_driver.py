@@ -122,8 +122,8 @@ class OptimizerDriver(access.DriverHooks):
         )  # fmt: skip
         declare(
             "max_failures", default=15, check_valid=positive_count,
-            desc="Number of failed analyses after which the optimisation stops; every successful "
-            "analysis cancels one failure.",
+            desc="Number of failed analyses after which the optimisation stops; every design at which "
+            "derivatives are computed cancels one failure.",
         )  # fmt: skip
         declare(
             "singular_jac_behavior", default="warn", values=["error", "warn", "ignore"],

@@ -187,8 +187,8 @@ def _recorded_seal(name, seal, model, cases, given) -> RecordedSeal:
     # inputs at every point by their own names, as far as they are known
     values = []
     for case in cases:
-        found = {t: _value(case, t, model, units, given) for t in (*arrays, *scalars)}
-        values.append({own_name(t): value for t, value in found.items() if value is not None})
+        found = {own_name(t): _value(case, t, model, units, given) for t in (*arrays, *scalars)}
+        values.append({own: value for own, value in found.items() if _is_known(own, value, seal)})
     assumed = tuple(own_name(t) for t in scalars if any(own_name(t) not in v for v in values))
     # scalar measures that were recorded at all points
     measures = {}
@@ -222,8 +222,24 @@ def _value(case, target, model, units, given) -> np.ndarray | None:
     value = case.inputs.get(target)
     if value is None:
         value = convert_units(case.outputs[source], model.units[source], units[own_name(target)])
-    # src_indices are not in the file: a scalar that is one of several entries is unknown
-    return value if own_name(target) in ARRAYS or value.size == 1 else None
+    return value
+
+
+def _is_known(name: str, value, seal: Seal | None) -> bool:
+    """Return whether the file contains the value of an input: src_indices are not in the file, so an
+    input that is a part of the recorded output is unknown."""
+    if value is None:
+        return False
+    if name not in ARRAYS:
+        return value.size == 1
+    return (
+        seal is None
+        or value.size
+        == {
+            "particles": seal.nominal_particles.size,
+            "boundary_offsets": seal.n_offsets,
+        }[name]
+    )
 
 
 def own_name(name: str) -> str:

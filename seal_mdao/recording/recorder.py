@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from openmdao.core.driver import Driver
 
-from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of
+from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of, run_afterwards
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import claim, require_free
 from seal_mdao.recording.plain_reading import without_programs
@@ -78,7 +78,8 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_solver, solver, run_number)
 
     def record_iteration_driver(self, driver, data, metadata):
-        """Record a case, unless the driver took it from this file; always with the inputs of seals."""
+        """Record a case, unless the driver took it from this file; always with the inputs of seals,
+        without variables that do not belong to its design."""
         if self._repeated(driver) is not None:
             # OpenMDAO has counted the case already
             self.counter -= 1
@@ -88,6 +89,7 @@ class RestartRecorder(SqliteHooks):
             model = problem_of(driver).model
             self._seals = inputs_of_seals(model), outputs_of_seals(model)
         self._add_inputs(driver, data)
+        _remove_not_computed(driver, data)
         if metadata["success"] and self._has_failed(driver):
             metadata = metadata | {"success": 0, "msg": "the analysis of a seal failed"}
         self._log_begin()
@@ -194,6 +196,16 @@ class RestartRecorder(SqliteHooks):
             # the file that is continued contains them already
             if not self._append:
                 raise
+
+
+def _remove_not_computed(driver, data: dict) -> None:
+    """Remove the variables of components that run only after the optimisation: their values are those
+    of another design."""
+    components = run_afterwards(driver)
+    for kind in ("input", "output", "residual"):
+        own = data[kind] or {}
+        for name in [name for name in own if name.rpartition(".")[0] in components]:
+            del own[name]
 
 
 def record_all(driver, recorder) -> None:

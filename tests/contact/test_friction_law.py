@@ -117,6 +117,7 @@ def test_branches_on_real_parts():
 @pytest.mark.parametrize(("law", "constants", "message"), [
     (lambda pressure, a: abs(a * pressure), {"a": 0.3}, "with respect to pressure is wrong"),
     (lambda pressure, a: a if pressure > 1.0 else 0.0, {"a": 0.3}, "cannot be compiled"),
+    (lambda pressure, a: max(a * pressure, 1.0), {"a": 0.3}, "cannot be compiled by Numba"),
     (lambda pressure, a: -a * pressure, {"a": 0.3}, "at least 0 kPa"),
     (lambda pressure, a: a * pressure, {}, "friction law .* has no value of its constant 'a'"),
     (lambda pressure, a: a * pressure, {"a": 0.3, "b": 1.0}, "has no constant 'b'; it has a"),

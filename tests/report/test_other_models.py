@@ -262,3 +262,35 @@ def test_design_whose_result_is_not_right_is_pointed_out(tmp_path):
     for design in ("First", "Last"):
         text = f"{design} design of deep: the boundary crosses itself"
         assert any(line.startswith(text) for line in warned)
+
+
+@pytest.mark.parametrize("part", [False, True])
+def test_designs_of_a_seal_on_which_no_response_depends(tmp_path, part):
+    """OpenMDAO runs it once, at the end: its inputs have values of another design until then. Of an
+    output of which it takes a part, the file does not tell which."""
+    prob = om.Problem(driver=sm.UnoDriver(maxiter=2, disp=False), reports=None)
+    count = SEAL.n_offsets + (5 if part else 0)
+    taken = {"src_indices": np.arange(SEAL.n_offsets)} if part else {}
+    prob.model.add_subsystem("x", om.IndepVarComp("offsets", np.zeros(count), units="mm"))
+    for name in ("main", "other"):
+        seal = sm.SealGroup(seal=SEAL, measures=("gap_square_sum",))
+        prob.model.add_subsystem(name, seal)
+        prob.model.connect("x.offsets", f"{name}.boundary_offsets", **taken)
+    prob.model.add_design_var(
+        "x.offsets", lower=-0.3, upper=0.3, units="mm", indices=np.arange(SEAL.n_offsets)
+    )
+    prob.model.add_objective("main.gap_square_sum", ref=0.1)
+    prob.driver.add_recorder(sm.RestartRecorder(tmp_path / "cases.sql"))
+    prob.driver.recording_options["includes"] = ["*"]
+    prob.setup()
+    prob.run_driver()
+    prob.cleanup()
+    main, other = read_optimization(tmp_path / "cases.sql").seals
+    assert main.drawable
+    assert np.abs(main.values[-1]["boundary_offsets"]).max() > 0.01
+    assert other.drawable is not part
+    for of_main, of_other in zip(main.values, other.values, strict=True):
+        if part:
+            assert not {"boundary_offsets", "particles"} & of_other.keys()
+        else:
+            assert np.array_equal(of_main["boundary_offsets"], of_other["boundary_offsets"])

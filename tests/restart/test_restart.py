@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import openmdao.api as om
 import pytest
-from valley import designs, kill_at, killed, record, valley_problem
+from valley import Valley, designs, kill_at, killed, record, valley_problem
 
 import seal_mdao as sm
 from seal_mdao.recording import run_log
@@ -387,3 +387,62 @@ def test_a_bare_name_is_the_same_file_for_the_recorder_and_the_restart(make_driv
         shutil.copy(folder / "kept.sql", Path(hot.get_outputs_dir(mkdir=True)) / "kept.sql")
         hot.run_driver()
         assert hot.driver.reused_evaluations > 2
+
+
+def unrelated_problem(make_driver, grouped=True, **options):
+    """The valley with a component on whose output no response depends."""
+    problem = om.Problem(driver=make_driver(**options), reports=None)
+    problem.options["group_by_pre_opt_post"] = grouped
+    problem.model.add_subsystem("valley", Valley(), promotes=["*"])
+    total = om.ExecComp("total = sum(x)", x={"shape": 3}, total={"val": 100.0})
+    problem.model.add_subsystem("sum", total, promotes=["*"])
+    problem.model.add_design_var("x", lower=-3.0, upper=3.0)
+    problem.model.add_objective("f", ref=3.0)
+    problem.model.set_input_defaults("x", np.array([-1.0, 0.5, 0.3]))
+    problem.setup()
+    return problem
+
+
+@pytest.mark.parametrize("run_before", [(True, False), (False, True)])
+def test_values_computed_only_after_the_optimisation_do_not_matter(make_driver, run_before):
+    """Whether the model was run before the recorded run, or before the restart."""
+    problem = record(unrelated_problem(make_driver, maxiter=3))
+    again = unrelated_problem(make_driver)
+    for each in [own for own, run in zip((problem, again), run_before, strict=True) if run]:
+        each.run_model()
+    problem.run_driver()
+    problem.cleanup()
+    sm.restart(again, "./cases.sql")
+    again.run_driver()
+    again.cleanup()
+    assert again.driver.reused_evaluations >= 3
+    assert again.get_val("total") == pytest.approx(again.get_val("x").sum(), rel=1e-15)
+
+
+@pytest.mark.parametrize("recorder", [sm.RestartRecorder, om.SqliteRecorder])
+def test_continued_without_these_values_in_files_of_any_recorder(make_driver, recorder):
+    problem = unrelated_problem(make_driver, maxiter=3)
+    record_all(problem.driver, recorder(Path("cases.sql").absolute()))
+    problem.run_driver()
+    problem.cleanup()
+    again = unrelated_problem(make_driver)
+    again.run_model()
+    sm.restart(again, "./cases.sql")
+    again.run_driver()
+    again.cleanup()
+    assert again.driver.reused_evaluations >= 3
+
+
+@pytest.mark.parametrize("grouped", [True, False])
+def test_recorded_values_belong_to_their_designs(make_driver, grouped):
+    """OpenMDAO computes no outputs on which no response depends, unless its option is off."""
+    problem = record(unrelated_problem(make_driver, grouped))
+    problem.run_driver()
+    problem.cleanup()
+    reader = om.CaseReader("cases.sql")
+    cases = [reader.get_case(name) for name in reader.list_cases("driver", out_stream=None)]
+    assert len(cases) > 5
+    for case in cases:
+        assert ("total" in case.outputs) is not grouped
+        if not grouped:
+            assert case["total"] == pytest.approx(case["x"].sum(), rel=1e-15)
