@@ -21,7 +21,8 @@ class AggregateComp(om.ExplicitComponent):
 
     Of the input ``<measure>_scenarios`` (S, m): ``<measure>_mean``, ``_std``, ``_highest``, ``_lowest``,
     and ``_q95`` for the quantile 0.95, each (m,). Rows that are NaN, scenarios that failed, are left
-    out; ``share_failed`` is their fraction.
+    out; ``share_failed`` is their fraction. At a design that failed all rows are NaN, and the partials
+    are NaN too.
     """
 
     def initialize(self):
@@ -69,9 +70,11 @@ class AggregateComp(om.ExplicitComponent):
             values = inputs[f"{name}_scenarios"]
             completed = _completed(values)
             for ending, (function, _) in self._functions.items():
-                # partials of failed scenarios are zero; complex values in complex step
-                gradient = np.zeros(shape, values.dtype)
-                gradient[completed] = function(values[completed])[1]
+                # partials of failed scenarios are zero, those of a failed design NaN; complex values in
+                # complex step
+                gradient = np.full(shape, 0.0 if completed.any() else np.nan, values.dtype)
+                if completed.any():
+                    gradient[completed] = function(values[completed])[1]
                 partials[f"{name}_{ending}", f"{name}_scenarios"] = gradient.ravel()
 
 

@@ -158,12 +158,16 @@ def test_restart_recorder_marks_failed_cases_of_every_kind_of_seal(short, kind):
     problem.model.add_design_var("c10", lower=-10.0, upper=200.0)
     problem.model.add_objective("reaction_mean" if kind == "scenarios" else "reaction", index=1)
     problem.driver.add_recorder(sm.RestartRecorder("doe.sql"))
+    problem.driver.recording_options["record_derivatives"] = True
     problem.setup()
     problem.run_driver()
     problem.cleanup()
     reader = om.CaseReader(problem.get_outputs_dir() / "doe.sql")
-    names = reader.list_cases("driver", out_stream=None)
-    assert [reader.get_case(name).success for name in names] == [1, 0, 1]
+    found = [reader.get_case(name) for name in reader.list_cases("driver", out_stream=None)]
+    assert [case.success for case in found] == [1, 0, 1]
+    for case in found:
+        (slopes,) = case.derivatives.values()
+        assert (np.isfinite(slopes) if case.success else np.isnan(slopes)).all()
 
 
 def test_restart_recorder_does_not_mark_scenarios_that_were_left_out(short):
