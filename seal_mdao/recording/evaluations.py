@@ -28,7 +28,7 @@ class RestartError(ValueError):
 
 
 class RecordedEvaluations:
-    """Cases of a driver in a recorder file, found by the design that is in the model.
+    """Cases of the last run of a driver in a recorder file, found by the design that is in the model.
 
     Parameters
     ----------
@@ -61,6 +61,7 @@ class RecordedEvaluations:
         cases = read_cases(self.path)
         # a continued run numbers its iterations from here
         self.next_iteration = 1 + max((number for number, _ in cases), default=-1)
+        cases = _of_last_run(cases)
         # the design: design variables, and all other recorded values that the model takes as given
         sources = access.sources(driver)
         given = access.independent_outputs(driver).intersection(
@@ -172,6 +173,13 @@ def _fits(case: Case, model) -> bool:
 def _key(values) -> bytes:
     # the bits of all values in a fixed order
     return b"".join(np.ascontiguousarray(value, float).tobytes() for value in values)
+
+
+def _of_last_run(cases: list[tuple[int, Case]]) -> list[tuple[int, Case]]:
+    """Return the cases of the last run: every call of ``run_driver`` begins with iteration 0, but a
+    continued run goes on with the number after the last one."""
+    starts = [index for index, (number, _) in enumerate(cases) if number == 0]
+    return cases[starts[-1] :] if starts else cases
 
 
 def read_cases(path) -> list[tuple[int, Case]]:

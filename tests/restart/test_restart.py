@@ -446,3 +446,23 @@ def test_recorded_values_belong_to_their_designs(make_driver, grouped):
         assert ("total" in case.outputs) is not grouped
         if not grouped:
             assert case["total"] == pytest.approx(case["x"].sum(), rel=1e-15)
+
+
+def test_the_last_of_two_runs_is_continued(make_driver):
+    """Of a problem whose run_driver was called twice, with other starts."""
+    starts = [-1.0, 0.5, 0.3], [0.3, -0.7, 0.1]
+    _, _, alone = whole_run(make_driver)
+    problem = record(valley_problem(make_driver()))
+    for start, limit in zip(starts, (200, 3), strict=True):
+        problem.set_val("x", start)
+        problem.driver.options["maxiter"] = limit
+        problem.run_driver()
+    problem.cleanup()
+    whole = valley_problem(make_driver())
+    whole.set_val("x", starts[1])
+    whole.run_driver()
+    again, _ = continued(make_driver)
+    assert again.driver.reused_evaluations < len(alone)
+    assert np.array_equal(again.get_val("x"), whole.get_val("x"))
+    cases = sqlite3.connect("cases.sql").execute("SELECT COUNT(*) FROM driver_iterations")
+    assert cases.fetchone()[0] == len(alone) + whole.driver.iter_count
