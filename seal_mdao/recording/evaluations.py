@@ -176,8 +176,8 @@ def _key(values) -> bytes:
 
 
 def _of_last_run(cases: list[tuple[int, Case]]) -> list[tuple[int, Case]]:
-    """Return the cases of the last run: every call of ``run_driver`` begins with iteration 0, but a
-    continued run goes on with the number after the last one."""
+    """Return the cases of the last run: every call of ``run_driver`` begins with iteration 0, but the
+    first new iteration of a continued run has the number after the last one."""
     starts = [index for index, (number, _) in enumerate(cases) if number == 0]
     return cases[starts[-1] :] if starts else cases
 
