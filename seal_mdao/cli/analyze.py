@@ -65,9 +65,11 @@ def main(arguments) -> int:
         require_exportable(file)
     clouds = []
     file, result, wall = analyzed(file, clouds.append)
-    # warnings and forces are on the screen before figures are computed
-    report_faults(result)
+    # forces are on the screen before derivatives are computed, which compiles for the first seal, and
+    # warnings, which need derivatives, before figures are
     print_forces(result)
+    result = differentiated(result)
+    report_faults(result)
     # the summary is written first: drawing may still fail
     summary = summarize(result) | {"part": file.part or None, "wall_s": wall}
     if file.section.chosen:
@@ -125,8 +127,7 @@ def analyzed(file, report: Callable | None = None) -> tuple[sm.SealFile, SealRes
     with file_errors(file.path), LoadStepProgress(seal) as progress:
         # factors are reused by the adjoint gradients of the measures
         result = sm.analyze(seal, keep_factors=bool(seal.standard), callback=progress)
-    wall = time.perf_counter() - begun
-    return file, differentiated(result), wall
+    return file, result, time.perf_counter() - begun
 
 
 def differentiated(result: SealResult) -> SealResult:
@@ -326,7 +327,7 @@ def export_to_abaqus(file, seal, path: Path) -> None:
 
 
 def report_faults(result: SealResult) -> None:
-    """Print faults that make the results unusable, before the numbers."""
+    """Print warnings, and faults that make the results unusable."""
     # a boundary that crosses itself explains a loss of stability, so warnings are first
     print_warnings(result)
     print_critical_points(result)
