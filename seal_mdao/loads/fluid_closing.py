@@ -3,11 +3,10 @@
 The true pressure of a particle, the normal force over the deformed length as in
 ``measures.contact_pressure``, which the fluid has to overcome:
 
-    c = w_n <-g_n> A / a,    A = sum_e f_e L_e r_e,
+    c = w_n <-g_n> A / a,
 
-with A and a the undeformed and the deformed tributary length, f_e the fraction of a side of the length
-L_e, and r_e = 1, or in a body of revolution the radius of the fraction, as in
-``terms.points.MaterialPoints``.
+with A and a the undeformed and the deformed tributary length, in a body of revolution the area
+(``terms.points.MaterialPoints.measures``).
 """
 
 from typing import NamedTuple
@@ -25,6 +24,7 @@ from seal_mdao.contact.kinematics import normal_gaps
 from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.contact.rigid_forces import contact_linearization
 from seal_mdao.geometry.motion import Cached
+from seal_mdao.terms.points import MaterialPoints, single_points
 
 
 class ClosingRates(NamedTuple):
@@ -50,63 +50,32 @@ def closing_names(contact: RigidContact) -> tuple:
     return tuple(name for name in contact.scalars if name not in law)
 
 
-class TributaryLengths:
-    """Lengths of an edge that belong to the contact points of a profile on it.
-
-    Sides of the contact that are not part of the edge are left out.
+def points_along(
+    where: MaterialPoints, particles: np.ndarray, touches: np.ndarray
+) -> MaterialPoints:
+    """Return contact points at particles along an edge, numbered along it.
 
     Parameters
     ----------
     where : MaterialPoints
-        Contact points, at particles.
+        Contact points, at particles; sides that are not part of the edge get no length.
     particles : ndarray of int, shape (k,)
         Particles along the edge.
     touches : ndarray of int, shape (t,)
         Indices in ``particles`` of those that are contact points.
     """
-
-    def __init__(self, where, particles: np.ndarray, touches: np.ndarray):
-        at = np.argsort(where.at_particles)
-        rows = at[np.searchsorted(where.at_particles, particles[touches], sorter=at)]
-        index = np.full(max(particles.max(), where.edges.max(initial=0)) + 1, -1)
-        index[particles] = np.arange(len(particles))
-        # ends of the sides as indices along the edge, shape (t, e, 2)
-        ends, own = index[where.edges[rows]], touches[:, None, None]
-        inside = (ends >= 0).all(axis=2)
-        self.ends = np.where(inside[..., None], ends, own)
-        self.fractions = where.fractions[rows]
-        self.radial = None if where.radial is None else where.radial[rows]
-        # -1, 0, 1 for the particle before, itself, and the one after
-        self.offsets = self.ends - own
-
-    def at(self, x: np.ndarray) -> np.ndarray:
-        """Evaluate a of particles at ``x`` (k, 2), shape (t,); 0 without a side on the edge."""
-        return (self._lengths(x) * self._radii(x)).sum(axis=1)
-
-    def rates(self, x: np.ndarray) -> np.ndarray:
-        """Compute the derivatives of ``at`` with the places of the particle before, the particle itself
-        and the one after it, shape (t, 3, 2)."""
-        side = x[self.ends[..., 1]] - x[self.ends[..., 0]]
-        size = np.linalg.norm(side, axis=2, keepdims=True)
-        # a_e = f L r:  da_e/dx_b = f r (x_b - x_a) / L = -da_e/dx_a, and by way of r
-        pull = (self.fractions * self._radii(x))[..., None] * side / np.where(size > 0.0, size, 1.0)
-        by_end = np.stack([-pull, pull], axis=2)
-        if self.radial is not None:
-            by_end[..., 0] += self._lengths(x)[..., None] * self.radial
-        out = np.zeros((len(self.ends), 3, 2))
-        rows = np.arange(len(out))
-        # a row occurs once for each end of each side
-        for side in range(by_end.shape[1]):
-            for end in range(2):
-                out[rows, 1 + self.offsets[:, side, end]] += by_end[:, side, end]
-        return out
-
-    def _lengths(self, x) -> np.ndarray:
-        side = x[self.ends[..., 1]] - x[self.ends[..., 0]]
-        return self.fractions * np.hypot(side[..., 0], side[..., 1])
-
-    def _radii(self, x):
-        return 1.0 if self.radial is None else (self.radial * x[self.ends, 0]).sum(axis=2)
+    at = np.argsort(where.at_particles)
+    rows = at[np.searchsorted(where.at_particles, particles[touches], sorter=at)]
+    number = np.full(max(particles.max(), where.edges.max(initial=0)) + 1, -1)
+    number[particles] = np.arange(len(particles))
+    # ends of the sides, shape (t, e, 2); both at the point itself for another edge
+    ends = number[where.edges[rows]]
+    inside = (ends >= 0).all(axis=2, keepdims=True)
+    return MaterialPoints(
+        single_points(touches), np.zeros(len(touches)),
+        np.where(inside, ends, touches[:, None, None]), where.fractions[rows],
+        radial=None if where.radial is None else where.radial[rows],
+    )  # fmt: skip
 
 
 class Closing:
@@ -133,15 +102,24 @@ class Closing:
         self.motion_rates = Cached(contact.motion.rates_at)
         self.columns = [names.index(name) for name in closing_names(contact)]
         self.n_names = len(names)
-        self.lengths = TributaryLengths(contact.where, particles, self.touches)
-        self.undeformed = self.lengths.at(reference)
-        self.undeformed_rates = self.lengths.rates(reference)
+        self.points = points_along(contact.where, particles, self.touches)
+        self.undeformed = self.points.measures(reference)
+        self.undeformed_rates = self._measure_rates(reference)
 
     def _stretch(self, x) -> tuple[np.ndarray, np.ndarray]:
         """Compute the deformed tributary lengths a and A / a, which is 1 without a side, shape (t,)."""
-        a = self.lengths.at(x)
+        a = self.points.measures(x)
         on = a > 0.0
         return np.where(on, a, 1.0), np.divide(self.undeformed, a, out=np.ones(len(a)), where=on)
+
+    def _measure_rates(self, x) -> np.ndarray:
+        """Compute the derivatives of the tributary lengths with the places of the particle before, the
+        particle itself and the one after it, shape (t, 3, 2)."""
+        t = len(self.touches)
+        # da_i/dx_j in x_bar[1 + j, :, i]; no particle is before the first and after the last
+        x_bar = np.zeros((len(x) + 2, 2, t))
+        self.points.add_measure_seeds(x, np.eye(t), x_bar[1:-1])
+        return x_bar[self.touches[:, None] + np.arange(3), :, np.arange(t)[:, None]]
 
     def _gaps(self, x, fraction):
         gap = np.empty(len(self.touches))
@@ -177,7 +155,7 @@ class Closing:
         by_gap[:, NORMAL_PENALTY] = -gap[closed]
         by_gap *= ratio[:, None]
         force = (-self.law.normal_penalty * gap[closed] / a)[:, None, None]
-        out.by_place[points] = -(force * ratio[:, None, None]) * self.lengths.rates(x)[closed]
+        out.by_place[points] = -(force * ratio[:, None, None]) * self._measure_rates(x)[closed]
         out.by_place[points, 1] += by_gap[:, :2]
         out.by_reference[points] = force * self.undeformed_rates[closed]
         own = [NORMAL_PENALTY, *range(FRICTION + 1, columns)]

@@ -9,8 +9,7 @@ revolution a side is turned about the axis: ds becomes c r ds. The weights w_i a
 of ``fluid_law``, from the true contact pressures of the rigid profiles that may touch the edge
 (``fluid_closing``), and linear between; they couple a point of the front and its neighbours with all
 points behind it. Contact at a sharp corner closes only the side behind it: the side before it has the
-weight of its first particle. n
-follows the deformed sides: a follower load.
+weight of its first particle. n follows the deformed sides: a follower load.
 """
 
 from dataclasses import dataclass, replace

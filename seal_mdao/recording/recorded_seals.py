@@ -232,14 +232,10 @@ def _is_known(name: str, value, seal: Seal | None) -> bool:
         return False
     if name not in ARRAYS:
         return value.size == 1
-    return (
-        seal is None
-        or value.size
-        == {
-            "particles": seal.nominal_particles.size,
-            "boundary_offsets": seal.n_offsets,
-        }[name]
-    )
+    if seal is None:
+        return True
+    sizes = {"particles": seal.nominal_particles.size, "boundary_offsets": seal.n_offsets}
+    return value.size == sizes[name]
 
 
 def own_name(name: str) -> str:

@@ -4,6 +4,7 @@ import numpy as np
 
 from seal_mdao.contact.friction_by_group import FrictionByGroup
 from seal_mdao.errors import SealFileError
+from seal_mdao.geometry.pose import Pose
 from seal_mdao.seals.file.model_table import RADIAL
 from seal_mdao.seals.outline.contours import Line
 
@@ -65,9 +66,7 @@ def _direction(profile) -> np.ndarray | None:
     # t_1 x t_i = 0
     if np.abs(units[0, 0] * units[:, 1] - units[0, 1] * units[:, 0]).max() > PARALLEL:
         return None
-    angle = np.deg2rad(profile.angle)
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]]) @ units[0]
+    return Pose.of((0.0, 0.0), np.deg2rad(profile.angle)).matrix @ units[0]
 
 
 def _slides(profile, along: np.ndarray) -> bool:
