@@ -64,6 +64,8 @@ class ModelEvaluator:
         self._recorded_at: dict[bytes, Case] = {}
         self._known: dict[bytes, Evaluation | str] = {}
         self._loaded: bytes | None = None
+        # the last successful design that was recorded anew
+        self._last_new: bytes | None = None
         self._restore_last_success = lambda: None
         self._linear_jacobian = None
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
@@ -160,13 +162,34 @@ class ModelEvaluator:
         if x.tobytes() != self._loaded:
             self._execute(x, run=True)
 
-    def _execute(self, x, already_set: bool = False, run: bool = False) -> Evaluation:
-        """Evaluate ``x``; ``run`` forces the model to run even at recorded designs."""
+    def load_result(self, x: NDArray[np.float64]) -> None:
+        """Bring the model into the state of the result of the run, whose case is the last one of the
+        recorder file: readers take the last case as the result."""
+        x = self.layout.clip(x)
+        if self._recorded is None:
+            self.load(x)
+            return
+        access.set_design(self.driver, x, self.layout.desvars)
+        # a design that the continued run has taken from its file may stand anywhere in it
+        last = self._last_new == x.tobytes() if self._last_new else self._recorded.ends_here()
+        if last:
+            self.load(x)
+        else:
+            self._execute(x, run=True, again=True)
+
+    def _execute(
+        self, x, already_set: bool = False, run: bool = False, again: bool = False
+    ) -> Evaluation:
+        """Evaluate ``x``; ``run`` forces the model to run even at recorded designs, ``again`` the
+        recorder to record them once more."""
         driver = self.driver
         self._loaded = None
         if not already_set:
             access.set_design(driver, x, self.layout.desvars)
         recorded = self._find_recorded(x)
+        if again:
+            driver.repeated_case = None
+            driver.iter_count = max(driver.iter_count, self._recorded.next_iteration)
         run = run or recorded is None
         failure = None
         try:
@@ -186,6 +209,8 @@ class ModelEvaluator:
         if failure is None:
             self._restore_last_success = access.snapshot(access.problem_of(driver).model)
             self._loaded = x.tobytes() if run else None
+            if driver.repeated_case is None:
+                self._last_new = x.tobytes()
             self._known[x.tobytes()] = evaluation
             return evaluation
         # back to the last converged state

@@ -228,7 +228,7 @@ class OptimizerDriver(access.DriverHooks):
         self.exit_message = optimal or self._describe(end, callbacks, stagnation)
         evaluator = callbacks.evaluator
         # the model is left at the result, so that outputs and derivatives belong to it
-        evaluator.load(callbacks.best.x if stopped or not end.success else end.x)
+        evaluator.load_result(callbacks.best.x if stopped or not end.success else end.x)
         constraints, feas_tol = flat(self.get_constraint_values()), self.options["feas_tol"]
         violated = evaluator.layout.violated(constraints, feas_tol)
         if self.fail and violated:

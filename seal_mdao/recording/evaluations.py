@@ -74,12 +74,15 @@ class RecordedEvaluations:
         needed = {*sources.values(), *self._sources}
         finished = [case for _, case in cases if not case.failure.startswith(UNFINISHED)]
         self._by_design: dict[bytes, Case] = {}
+        self._last = b""
         for case in finished:
             if case.outputs.keys() >= needed and _fits(case, self._model):
                 # the first case of a design, with the first derivatives recorded there
                 key = _key(case.outputs[name] for name in self._sources)
                 known = self._by_design.setdefault(key, case)
                 known.totals = known.totals or case.totals
+                if not case.failure:
+                    self._last = key
         if finished and not self._by_design:
             raise RestartError(
                 f"no case in {path} contains all design variables, the objective and the "
@@ -92,6 +95,10 @@ class RecordedEvaluations:
     def find(self) -> Case | None:
         """Return the recorded evaluation of the design that is in the model."""
         return self._by_design.get(_key(self._design()))
+
+    def ends_here(self) -> bool:
+        """Return whether the last recorded design with values is the one in the model."""
+        return _key(self._design()) == self._last
 
     def restore(self, case: Case) -> None:
         """Set the recorded values in the model.

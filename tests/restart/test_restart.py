@@ -16,6 +16,7 @@ from valley import Valley, designs, kill_at, killed, record, valley_problem
 
 import seal_mdao as sm
 from seal_mdao.recording import run_log
+from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.recording.recorder import record_all
 
 # Python 3.12 and newer warn of forks; the children here only compute and write a file
@@ -165,6 +166,25 @@ def test_iteration_limit_is_lifted(make_driver):
     assert np.array_equal(problem.get_val("x"), expected[-1])
 
 
+def test_the_result_is_the_last_case_of_the_file(make_driver):
+    """Also if it is a design that the continued run has taken from the file."""
+    problem = record(valley_problem(make_driver()))
+    problem.run_driver()
+    problem.cleanup()
+    already, ends = len(designs()), []
+    for limit in (4, 4, 5):
+        problem, _ = continued(make_driver, maxiter=limit)
+        assert np.array_equal(designs()[-1], problem.get_val("x"))
+        ends.append(len(designs()))
+    # the same result is recorded once
+    assert ends[0] == ends[1] == already + 1
+    _, result = continued(make_driver)
+    assert result.success
+    assert np.array_equal(designs()[-1], designs()[already - 1])
+    read = read_optimization("cases.sql")
+    assert np.array_equal(read.design["x"][-1], designs()[-1])
+
+
 def test_lost_gradient_is_made_up_for(make_driver):
     _, _, expected = whole_run(make_driver)
     counters = gradient_counters("whole.sql")
@@ -296,7 +316,8 @@ def test_another_processor_takes_the_recorded_steps(make_driver):
     # the start and, where the limit is met, the design at which the run ends
     assert problem.model.valley.calls <= 2
     assert problem.driver.reused_evaluations >= 3
-    assert np.array_equal(designs(), expected[:8])
+    assert np.array_equal(designs()[:8], expected[:8])
+    assert len(designs()) == 9
 
 
 def test_file_without_the_constraint_is_refused(make_driver):
