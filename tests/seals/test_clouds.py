@@ -242,3 +242,25 @@ def test_a_missing_mesher_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "netgen.geom2d", None)
     with pytest.raises(ImportError, match=r"pip install seal_mdao\[mesh\]"):
         cloud(loops(sections(0.9)["solid"]), 0.9)
+
+
+@pytest.mark.parametrize("side", [0.3, 0.5, 1.0])
+def test_spacing_is_smaller_beside_a_line_of_short_sides(side):
+    """As that between two materials of an optimum, whose vertices are particles."""
+    outline = Outline(Contour([
+        Line([0.0, 0.0], [8.0, 0.0], "base"), Line([8.0, 0.0], [8.0, 2.0], "right"),
+        Line([8.0, 2.0], [8.0, 5.0], "right"), Line([8.0, 5.0], [0.0, 5.0], "top"),
+        Line([0.0, 5.0], [0.0, 2.0], "left"), Line([0.0, 2.0], [0.0, 0.0], "left"),
+    ]))  # fmt: skip
+
+    def sample(at):
+        return doubled(outline, sampled(outline, lambda places: 2.0 * at(places)))
+
+    x = np.linspace(8.0, 0.0, round(8.0 / side) + 1)
+    cut = np.column_stack([x, 2.0 + 1e-4 * x * (8.0 - x)])
+    boundaries, spacing = graded(sample, 0.9, [cut])
+    filled = cloud(loops(boundaries), spacing, [cut])
+    assert cells_area(filled.cells, filled.particles)[0] == pytest.approx(40.0)
+    # the vertices of the line are particles
+    away = np.hypot(*np.moveaxis(cut[:, None] - filled.particles, 2, 0)).min(axis=1)
+    assert away.max() < 1e-9

@@ -228,6 +228,7 @@ def _graded(sample, spacing, cuts, layers, walls, notches, finest):
         at = wall_spacing(walls, fraction * spacing, layers)
         # sampled twice: short sides of the first sampling refine the spacing of the second
         at = _beside_short(sample(at), at)
+        at = _beside_cuts(cuts, fraction * spacing, at)
         if finest < 1.0:
             at = _grown(notches, np.full(len(notches), finest * fraction * spacing), at)
         boundaries = sample(at)
@@ -251,6 +252,16 @@ def _beside_short(boundaries, at):
     ends = [np.roll(points, -1, axis=0) for points in starts]
     start, end = np.concatenate(starts), np.concatenate(ends)
     return _grown(0.5 * (start + end), np.hypot(*(end - start).T), at)
+
+
+def _beside_cuts(cuts, spacing, at):
+    """Limit the spacing ``at`` by growth from the sides of cuts, which cells halve, where they are
+    short for ``spacing``."""
+    ends = [np.stack([cut[:-1], cut[1:]]) for cut in cuts]
+    start, end = np.concatenate(ends, axis=1) if ends else np.empty((2, 0, 2))
+    local = np.maximum(0.5 * np.hypot(*(end - start).T), FINEST * spacing)
+    short = local < spacing
+    return _grown(0.5 * (start + end)[short], local[short], at)
 
 
 def longest_side(cells: np.ndarray, particles: np.ndarray) -> float:
