@@ -14,11 +14,14 @@ from seal_mdao.measures.gap import BetweenContacts
 from seal_mdao.measures.load_deflection import ForceTarget, LoadDeflectionError
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.optimization import Limit, Task
+from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.design_parameters import inverting_limits
+from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
+from seal_mdao.seals.outline.section_cloud import LONGEST, Kernels, OutlineCloud, longest_side
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
 
@@ -88,18 +91,51 @@ def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
     design : SealFile
         As ``write_design`` writes it.
     nominal : SealFile
-        Whose section gives spacing or rays, layers and quadrature of the new cloud.
+        Whose section gives spacing or rays, layers and quadrature of the new cloud; where it names a
+        mesh file, its cells give them.
 
     Raises
     ------
     SealFileError
-        For a section that cannot be filled so.
+        For a section that cannot be filled so, and a mesh file with other shape functions than those
+        of a ``spacing``.
     """
     # given places are particles of the old cloud
     measures = tuple(m for m in design.measures if m.arguments.get("places") is None)
     filling = {name: getattr(nominal.section, name) for name in FILLING}
+    if isinstance(nominal.section.spacing, OutlineCloud):
+        filling |= _filling_like(nominal.section.spacing)
     section = replace(design.section, **filling)
     return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
+
+
+def _filling_like(given: OutlineCloud) -> dict:
+    """Return the ``FILLING`` with which a section gets cells like those of a mesh file.
+
+    Raises
+    ------
+    SealFileError
+        For other shape functions or pressures than those of a ``spacing``.
+    """
+    kernels = given.kernels or Kernels()
+    along, across = in_both_directions(kernels.n_gauss)
+    like = replace(Kernels(), support=kernels.support, n_gauss=kernels.n_gauss)
+    if kernels != like or given.support_axes is not None or along != across:
+        raise SealFileError(
+            "the mesh file named by cloud has other shape functions than new particles would have"
+        )
+    # cells are up to a quarter longer than the spacing
+    spacing = longest_side(given.cells, given.particles) / LONGEST
+    thinnest = thin_wall(given.loops, given.particles, given.cells)
+    layers = ENOUGH if thinnest is None else max(thinnest.layers, 2)
+    # the longest side of every edge
+    sides = {}
+    for boundary in given.boundaries:
+        side = np.hypot(*(np.roll(boundary.points, -1, axis=0) - boundary.points).T)
+        for edge, length in zip(boundary.edge.tolist(), side.tolist(), strict=True):
+            sides[edge] = max(sides.get(edge, 0.0), length)
+    fine = {edge: length for edge, length in sides.items() if length < spacing}
+    return {"spacing": spacing, "layers": layers, "edge_spacing": fine, "quadrature": along}
 
 
 def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple[tuple, dict]:

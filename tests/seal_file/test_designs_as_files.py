@@ -9,6 +9,8 @@ import pytest
 from block_files import FIXED, LID, text
 
 import seal_mdao as sm
+from seal_mdao.file_optimization import on_new_cloud
+from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.seals.file.export import on_lines, write_design
 from seal_mdao.seals.outline.cloud_file import FIRST, write_cloud
 from seal_mdao.seals.result import frozen_measures
@@ -368,3 +370,43 @@ def test_a_lid_with_an_interference(tmp_path):
     path.write_text(text(FIXED, lid.replace("[0, -0.5]", "[0, -0.42]")), encoding="utf-8")
     far = sm.analyze(sm.build_seal(path))
     assert own.reaction[-1] == pytest.approx(far.reaction[-1], rel=1e-6)
+
+
+AREA = '[[measure]]\ntype = "section_area"\n'
+
+
+def design_of(file, folder, name, shift):
+    """All offsets of the nominal seal of a file moved, and written and read again."""
+    seal = sm.build_seal(file)
+    offsets = np.full(seal.n_offsets, shift)
+    path = write_design(file, seal, offsets, (), folder, name)[0]
+    return sm.read_seal_file(path), seal.particles(offsets)
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"[section]\n": "[section]\nedge_spacing = { cavity = 0.5 }\n"}]
+)
+def test_new_particles_of_a_design_of_a_design_are_those_of_its_section(tmp_path, changes):
+    """Where the file names a cloud, its particles are those of another section."""
+    first, _ = design_of(seal_file(tmp_path, changes, measures=AREA), tmp_path, "first", 0.1)
+    second, particles = design_of(first, tmp_path, "second", -0.2)
+    here, there = (sm.build_seal(file) for file in (second, first))
+    area, before = (cells_area(own.body.cells, own.nominal_particles)[0] for own in (here, there))
+    assert abs(area / before - 1.0) > 0.02
+    found = on_new_cloud(second, first)
+    assert found.value("section_area")[0] == pytest.approx(area, rel=0.005)
+    # about as many particles, and as small ones along the edges
+    assert 0.6 < len(found.particles) / len(particles) < 1.6
+    sides = [
+        np.diff(own.nominal_particles[own.body.edge("cavity").particles], axis=0)
+        for own in (found.seal, here)
+    ]
+    lengths = [np.hypot(*own.T).max() for own in sides]
+    assert lengths[0] < 1.25 * lengths[1]
+
+
+def test_kernels_of_rays_have_no_new_particles(tmp_path):
+    file = seal_file(tmp_path, FINE_RAYS, measures=AREA)
+    first, _ = design_of(file, tmp_path, "first", 0.05)
+    with pytest.raises(sm.SealFileError, match="other shape functions"):
+        on_new_cloud(first, first)
