@@ -125,7 +125,7 @@ def report(result: SealResult, summary: dict, out: Path) -> None:
             f"{summary['max_gap_mm']:.4f} mm, sum of squares {summary['gap_square_sum_mm2']:.3g} mm2"
         )
         print(f"highest of the seven stresses {max(summary['von_mises_kPa']):.1f} kPa")
-        print_warnings(result, "", summary["unmeasured_gaps"])
+        print_warnings(result, summary["unmeasured_gaps"])
     else:
         print(f"NOT CONVERGED at {summary['failure']}")
     print(f"figures and summary.json in {out}")

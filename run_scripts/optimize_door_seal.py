@@ -8,7 +8,7 @@ from seal_mdao.cli.arguments import (
     add_seal_arguments,
     checked_arguments,
     parser,
-    print_warnings,
+    print_design_warnings,
     run,
     seal_from,
     write_summary,
@@ -57,8 +57,7 @@ def main(arguments) -> int:
     write_report(cases, arguments.out / "report.html", cache=cache)
     report_run(optimizer, run_numbers, arguments)
     report_end(history, numbers)
-    print_warnings(initial, " (first design)")
-    print_warnings(final, " (last design)", gap_warnings(history, final))
+    print_design_warnings(initial, final, gap_warnings(history, final))
     print(f"report.html, figures, summary.json and cases.sql in {arguments.out}")
     return 0 if run_numbers["success"] else 1
 

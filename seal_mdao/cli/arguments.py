@@ -382,10 +382,21 @@ def announce(seal: sm.Seal) -> None:
     cost_of.announce(cost, seal.body, seal.n_steps, LONG)
 
 
-def print_warnings(result, label: str = "", further=()) -> None:
+def print_warnings(result, further=()) -> None:
     """Print the warnings of a result and the ``further`` ones, one per line."""
     for text in (*result.warnings, *further):
-        print(f"WARNING{label}: {text}")
+        print(f"WARNING: {text}")
+
+
+def print_design_warnings(first, last, further=()) -> None:
+    """Print the warnings of the results of the first and of the last design of an optimisation, those of
+    both designs once, and the ``further`` ones of the last design, one per line."""
+    both = set(first.warnings).intersection(last.warnings)
+    for text in first.warnings:
+        print(f"WARNING{'' if text in both else ' (first design)'}: {text}")
+    own = (text for text in last.warnings if text not in both)
+    for text in (*own, *further):
+        print(f"WARNING (last design): {text}")
 
 
 def penalty_table(result) -> dict | None:

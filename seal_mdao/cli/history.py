@@ -8,7 +8,7 @@ from seal_mdao.cli.arguments import (
     checked_arguments,
     parser,
     penalty_table,
-    print_warnings,
+    print_design_warnings,
     seal_from,
     write_summary,
 )
@@ -46,8 +46,7 @@ def main(arguments) -> int:
     write_summary(arguments.out, numbers | {"recorded_evaluations": history.evaluations})
     draw_history(history, initial, final, arguments.out)
     report_end(history, numbers)
-    print_warnings(initial, " (first design)")
-    print_warnings(final, " (last design)", gap_warnings(history, final))
+    print_design_warnings(initial, final, gap_warnings(history, final))
     print(f"figures and summary.json in {arguments.out}")
     return 0
 
@@ -63,8 +62,7 @@ def show_own_problem(history, results, out: Path) -> int:
     write_summary(out, ends | found | more)
     draw_designs(history, results, out)
     report_limits(history, ends, None)
-    for result, name in zip(results, ("first", "last"), strict=True):
-        print_warnings(result, f" ({name} design)")
+    print_design_warnings(*results)
     print(f"figures and summary.json in {out}")
     return 0
 

@@ -17,7 +17,7 @@ from seal_mdao.cli.arguments import (
     largest_penalty_error,
     parser,
     penalty_table,
-    print_warnings,
+    print_design_warnings,
     write_summary,
 )
 from seal_mdao.cli.history_figures import draw_designs, history_rows, limit_numbers, report_limits
@@ -110,8 +110,7 @@ def main(arguments) -> int:
     for name, value, text in own_figures:
         print(f"{name}: {value} {text}")
     report_anew(ends, anew)
-    print_warnings(results[0], " (first design)")
-    print_warnings(results[1], " (last design)", doubts)
+    print_design_warnings(*results, doubts)
     print(f"figures, report.html, summary.json, cases.sql, optimum.csv{drawing} in {arguments.out}")
     # after Ctrl-C the best design so far has been written
     if numbers["message"].startswith(INTERRUPTED):

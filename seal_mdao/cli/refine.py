@@ -20,10 +20,13 @@ from seal_mdao.cli.arguments import (
 )
 from seal_mdao.cli.error_table import error_summary, print_errors
 from seal_mdao.cli.seal_files import file_errors, file_of, filling_lines, seal_of
+from seal_mdao.errors import SealFileError
 from seal_mdao.input_files import read_text
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.file.read import read_changed
+from seal_mdao.seals.outline.rays import Rays
+from seal_mdao.seals.outline.section_cloud import OutlineCloud
 from seal_mdao.seals.result import unloaded
 from seal_mdao.seals.steps_and_penalties import PENALTY_TOLERANCE, STEP_TOLERANCE
 
@@ -76,6 +79,12 @@ def with_accuracy(file: SealFile, most: float | None, measures: list[str] | None
         For unknown measures, and a section with rays or a cloud.
     """
     own = file.section.accuracy
+    if isinstance(file.section.spacing, Rays | OutlineCloud):
+        given = "cloud" if isinstance(file.section.spacing, OutlineCloud) else "rays"
+        raise SealFileError(
+            f"{file.path}: [section]: particles can be chosen for a section with spacing only, but "
+            f"this one has {given}; replace {given} by a spacing"
+        )
     if own is not None and most is None and measures is None:
         return file
     text = f"{100.0 * (USUAL if most is None else most):.9g} %"

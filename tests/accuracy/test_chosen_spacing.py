@@ -4,6 +4,7 @@ import json
 import re
 import tomllib
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -439,6 +440,15 @@ def test_wrong_arguments(arguments, text, tmp_path, monkeypatch, capsys):
         main(["refine", str(cord(tmp_path)), *arguments])
     assert ended.value.code == 2
     assert text in capsys.readouterr().err
+
+
+def test_particles_of_rays_are_not_chosen(capsys):
+    """The message names the key to replace, not the key accuracy, which the file does not have."""
+    path = Path(__file__).parents[2] / "examples/paper_seal.toml"
+    assert main(["refine", str(path), "--to", "2"]) == 2
+    said = capsys.readouterr().err
+    assert "but this one has rays; replace rays by a spacing" in said
+    assert "accuracy" not in said
 
 
 def test_analyze_shows_the_errors_of_the_choice(tmp_path, capsys, monkeypatch):

@@ -8,6 +8,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.cli import optimum_warnings
+from seal_mdao.cli.arguments import print_design_warnings
 from seal_mdao.cli.optimum_warnings import meaningless_limits, violated_anew
 from seal_mdao.measures.stress import LargestVonMises, VonMises
 
@@ -66,3 +67,12 @@ def test_a_stress_limited_where_it_is_meaningless_is_reported(pressed, monkeypat
     assert "a point at which the stress is meaningless" in text
     assert found_at(-peak + (0.0, 30.0)) == []
     assert meaningless_limits(replace(pressed, path=replace(pressed.path, steps=())), []) == []
+
+
+def test_warnings_of_both_designs_are_printed_once(capsys):
+    first, last = (SimpleNamespace(warnings=own) for own in (("thin", "steep"), ("thin", "folded")))
+    print_design_warnings(first, last, ["a limit is violated"])
+    assert capsys.readouterr().out.splitlines() == [
+        "WARNING: thin", "WARNING (first design): steep", "WARNING (last design): folded",
+        "WARNING (last design): a limit is violated",
+    ]  # fmt: skip
