@@ -165,7 +165,9 @@ class ContactTerm(PointTerm):
         size = float(np.abs(discretization.particles).max())
         # the gap of an arc is |x - m| - r, with the rounding error of r where r is large
         largest = np.abs(self.profile.radius[self.profile.kind == ARC]).max(initial=size)
-        self.rounding = self.law.normal_penalty * float(largest) * discretization.depth
+        # force w l g on a point with the largest tributary length l
+        length = float(self.where.lengths(discretization.particles).max(initial=0.0))
+        self.rounding = self.law.normal_penalty * length * float(largest) * discretization.depth
         # deformed coordinates, and those of the profile without its pose
         self._size = 2.0 * size + float(np.abs(self.curve.origin).max())
 

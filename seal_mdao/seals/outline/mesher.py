@@ -12,7 +12,7 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.user_cache import read_stored, store, stored_file
 
 UNBOUNDED = 1e6
-"""Mesh size along the loops, mm: large, so that the mesher does not divide their sides."""
+"""Mesh size along the loops in units of the mesher: large, so that it does not divide their sides."""
 
 ON_LOOP = 1e-3
 """Largest distance of the end of a cut from a point of a loop, mm."""
@@ -89,7 +89,18 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
 
 
 def _triangulated(loops, size, cuts) -> Triangles:
-    """As ``triangulate``, by Netgen."""
+    """As ``triangulate``, by Netgen, in a unit of length with which ``size`` is between 1 and 2.
+
+    Tolerances of Netgen are absolute. The unit is a power of two, so that scaling is free of rounding.
+    """
+    unit = 2.0 ** np.floor(np.log2(size))
+    loops, cuts = ([np.asarray(line, float) / unit for line in lines] for lines in (loops, cuts))
+    made = _unit_triangulated(loops, size / unit, cuts, unit)
+    return made._replace(points=unit * made.points)
+
+
+def _unit_triangulated(loops, size, cuts, unit) -> Triangles:
+    """As ``triangulate``, in units of ``unit`` mm."""
     geometry = _netgen().SplineGeometry()
     sides, count, every = [], 0, []
     for loop in loops:
@@ -104,24 +115,24 @@ def _triangulated(loops, size, cuts) -> Triangles:
         every += numbers
     given, sides = np.concatenate(loops), np.concatenate(sides)
     for cut in cuts:
-        _append_cut(geometry, cut, given, every, size)
+        _append_cut(geometry, cut, given, every, size, ON_LOOP / unit)
     # accept the first grading with which the sides of the boundary are those given
     for grading in GRADINGS:
         points, triangles, divided = _generated(geometry, size, grading, len(sides))
         if not (lost := _lost(points, triangles, given, sides)):
             return Triangles(points, triangles, _parts(triangles, divided))
-    x, y = points[min(lost)[0]]
+    x, y = unit * points[min(lost)[0]]
     raise GeometryError(
         f"the particle spacing on the boundary near ({x:.4g}, {y:.4g}) is much larger than that of "
         "neighbouring edges; choose spacings of edges that differ less (edge_spacing)"
     )
 
 
-def _append_cut(geometry, cut, given, every, size):
+def _append_cut(geometry, cut, given, every, size, tolerance):
     """Add a cut between points of the loops; the mesher divides its sides."""
     away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
     first, last = (every[int(a.argmin())] for a in away)
-    if max(a.min() for a in away) > ON_LOOP or first == last:
+    if max(a.min() for a in away) > tolerance or first == last:
         raise GeometryError(
             "a line between two materials (cut) must connect two different points of the boundary"
         )
