@@ -98,7 +98,7 @@ class LoadStepProgress:
         self._bar = tqdm(
             total=total, unit="step", disable=hidden(), leave=False, bar_format=BAR
         )  # fmt: skip
-        self._last, self._printed = None, time.monotonic()
+        self._last, self._printed, self._announced = None, time.monotonic(), False
         # start of the time that is measured, load steps of the analyses since, analyses left
         self._begun, self._steps_before, self._left = self._printed, 0, 0
         # shape functions are made before the first load step
@@ -108,7 +108,11 @@ class LoadStepProgress:
         """Advance the bar by one completed load step."""
         self._before.end()
         # step numbers that do not increase begin a new analysis
-        if self._last is None or step.nominal <= self._last:
+        if self._announced or self._last is None or step.nominal <= self._last:
+            if self._left and not self._announced:
+                # the load steps of an analysis that follows the announced ones are not known
+                self._of, self._bar.total, self._left = "", None, 0
+            self._announced = False
             self.analyses += 1
             self._bar.reset()
             self._bar.set_description(f"{self._label} {self.analyses}{self._of}", refresh=False)
@@ -152,6 +156,7 @@ class LoadStepProgress:
         """Change the text before the number of the analysis; analyses and times are counted anew."""
         self._label, self._of = label, ""
         self.analyses, self._steps_before, self._left, self._last = 0, 0, 0, None
+        self._announced = False
 
     def begin_analysis(self, number: int, of: int, n_steps: int) -> None:
         """Announce analysis ``number`` of at least ``of``, with ``n_steps`` load steps, and the time
@@ -161,6 +166,7 @@ class LoadStepProgress:
         else:
             self._begun, self._steps_before = time.monotonic(), 0
         self._of, self._bar.total, self._left = f" of {of}", n_steps, of - number + 1
+        self._announced = True
         left = self._time_left(0)
         if self._bar.disable:
             ending = f", {left}" if left else ""

@@ -148,6 +148,21 @@ def test_time_left_of_a_choice_grows_while_its_steps_are_halved(clock, capsys):
     ]
 
 
+def test_an_analysis_after_a_choice_has_load_steps_of_its_own(clock, capsys):
+    """The choice of penalties thins the load steps to two; the analysis that follows has all of them."""
+    with progress.LoadStepProgress(None, "spacing 0.5 mm") as bar:
+        bar.begin_analysis(1, 2, 2)
+        bar(SimpleNamespace(nominal=0))
+        bar(SimpleNamespace(nominal=1))
+        bar(SimpleNamespace(nominal=0))
+        clock.now += 20.0
+        bar(SimpleNamespace(nominal=5))
+    assert capsys.readouterr().err.splitlines() == [
+        "spacing 0.5 mm, 1 of 2 ...",
+        "spacing 0.5 mm 2: load step 6",
+    ]
+
+
 def test_load_steps_that_are_halved_are_reported():
     """With how far the path has come; the callback has no other method."""
     seen = []
