@@ -198,9 +198,11 @@ class SelfContactTerm(CoupledTerm):
         self.edge_of, self.pair_of = definition.edge_of, definition.pair_of
         self.ring = rings([len(loop) for loop in definition.loops])
         # a point opposite must be this near to be followed before it touches
-        self.near = 4.0 * self.where.lengths(discretization.particles).max()
+        length = float(self.where.lengths(discretization.particles).max())
+        self.near = 4.0 * length
         size = float(np.abs(self.reference).max()) * discretization.depth
-        self.rounding = definition.law.normal_penalty * size
+        # force w l g on a point with the largest tributary length l
+        self.rounding = definition.law.normal_penalty * length * size
         self._direction, self._linearized = np.zeros(len(self.where), int), None
 
     @property

@@ -28,6 +28,11 @@ tangent_penalty = {tangent}
 line = [{far_left}, {far_right}]
 start = {top}
 stage = [{{ translate = {travel}, steps = 6 }}]
+[self_contact]
+edges = ["cavity"]
+friction = 0.25
+normal_penalty = {normal}
+tangent_penalty = {tangent}
 """
 LENGTHS = {
     "spacing": 0.9, "left": [-4.0, 0.0], "right": [4.0, 0.0], "top": [0.0, 14.0],
