@@ -119,8 +119,8 @@ def _filling_like(given: OutlineCloud) -> dict:
     """
     kernels = given.kernels or Kernels()
     along, across = in_both_directions(kernels.n_gauss)
-    like = replace(Kernels(), support=kernels.support, n_gauss=kernels.n_gauss)
-    if kernels != like or given.support_axes is not None or along != across:
+    same = (kernels.basis_order, kernels.column) == (Kernels.basis_order, Kernels.column)
+    if not same or given.support_axes is not None or along != across:
         raise SealFileError(
             "the mesh file named by cloud has other shape functions than new particles would have"
         )

@@ -78,9 +78,9 @@ def with_accuracy(file: SealFile, most: float | None, measures: list[str] | None
     SealFileError
         For unknown measures, and a section with rays or a cloud.
     """
-    own = file.section.accuracy
-    if isinstance(file.section.spacing, Rays | OutlineCloud):
-        given = "cloud" if isinstance(file.section.spacing, OutlineCloud) else "rays"
+    own, spacing = file.section.accuracy, file.section.spacing
+    if isinstance(spacing, Rays | OutlineCloud):
+        given = "rays" if isinstance(spacing, Rays) else "cloud"
         raise SealFileError(
             f"{file.path}: [section]: particles can be chosen for a section with spacing only, but "
             f"this one has {given}; replace {given} by a spacing"

@@ -64,8 +64,6 @@ class ModelEvaluator:
         self._recorded_at: dict[bytes, Case] = {}
         self._known: dict[bytes, Evaluation | str] = {}
         self._loaded: bytes | None = None
-        # the last successful design that was recorded anew
-        self._last_new: bytes | None = None
         self._restore_last_success = lambda: None
         self._linear_jacobian = None
         self._look_at_jacobian = driver.options["singular_jac_behavior"] != "ignore"
@@ -171,8 +169,7 @@ class ModelEvaluator:
             return
         access.set_design(self.driver, x, self.layout.desvars)
         # a design that the continued run has taken from its file may stand anywhere in it
-        last = self._last_new == x.tobytes() if self._last_new else self._recorded.ends_here()
-        if last:
+        if self._recorded.ends_here():
             self.load(x)
         else:
             self._execute(x, run=True, again=True)
@@ -209,8 +206,8 @@ class ModelEvaluator:
         if failure is None:
             self._restore_last_success = access.snapshot(access.problem_of(driver).model)
             self._loaded = x.tobytes() if run else None
-            if driver.repeated_case is None:
-                self._last_new = x.tobytes()
+            if self._recorded is not None and driver.repeated_case is None:
+                self._recorded.note_recorded()
             self._known[x.tobytes()] = evaluation
             return evaluation
         # back to the last converged state

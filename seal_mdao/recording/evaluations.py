@@ -96,6 +96,10 @@ class RecordedEvaluations:
         """Return the recorded evaluation of the design that is in the model."""
         return self._by_design.get(_key(self._design()))
 
+    def note_recorded(self) -> None:
+        """Note that the design in the model has been recorded after all others."""
+        self._last = _key(self._design())
+
     def ends_here(self) -> bool:
         """Return whether the last recorded design with values is the one in the model."""
         return _key(self._design()) == self._last
