@@ -1,31 +1,47 @@
-"""Deformed boundary as a curve of cubic splines near its particles, and points projected onto it.
+"""Deformed boundary as a smooth curve through its contact points, and points projected onto it.
 
     x_c(xi) = sum_b N_b(s) x_(a-2+b),    xi = a + s,  0 <= s < 1,  b = 0 ... 5
 
-Uniform cubic B-splines, whose control points are those of quasi-interpolation, (-1, 8, -1)/6 of three
-particles: C. de Boor, A Practical Guide to Splines, Springer 2001, chapter XII. Curvature is continuous,
-so friction does not jump where a point goes from one segment to the next, and the curve errs by the
-fourth power of the distance of particles. A boundary is walked with the body on the left, so e_n, e_t
-turned clockwise, leads out of it. Formulas are those of ``contact.kinematics`` with
-V_c = sum N_b V_(a-2+b): the curve is a profile whose shape parameters are the places of its particles.
+On a segment the curve is the quintic with the positions and the first and second derivatives of its two
+ends. The derivatives at a point j are those of the polynomial through the points j - 2 ... j + 2 (finite
+differences), so curvature is continuous, and friction does not jump where a point goes from one segment
+to the next; the curve errs by the fourth power of the distance of points. N_b is one at its own point
+and zero at all others: points that face each other hand over their forces completely.
+
+At a sharp corner there are two points, each ``BESIDE`` of a side of length h away from it
+(``terms.averaged_points``). The polynomials end at corners, so that straight sides are straight. Between
+both points the curve goes around the corner by
+
+    x_c = X_corner - BESIDE h ((1 - s)^5 t_1 - s^5 t_2),
+
+which follows the first side t_1 nearly up to the corner, then the second one, t_2.
+
+A boundary is walked with the body on the left, so e_n, e_t turned clockwise, leads out of it. Formulas
+are those of ``contact.kinematics`` with V_c = sum N_b V_(a-2+b): the curve is a profile whose shape
+parameters are the places of its points.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-_B_SPLINES = np.array([
-    [1.0, 4.0, 1.0, 0.0], [-3.0, 0.0, 3.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]
-]) / 6.0  # fmt: skip
-"""Coefficients of 1, s, s^2, s^3 of the four splines."""
+from seal_mdao.compilation import compiled, internal
+from seal_mdao.terms.averaged_points import SMOOTH
 
-_CONTROL = np.array([np.roll([-1.0, 8.0, -1.0, 0.0, 0.0, 0.0], by) for by in range(4)]) / 6.0
-"""Their control points by the particles."""
+BESIDE = (1.0 - SMOOTH) / 3.0
+"""Distance of the points at a sharp corner from it over the length of their sides."""
 
-_CUBICS = _B_SPLINES @ _CONTROL
+SPEED = 5.0 * BESIDE
+"""Derivative of x_c by s at both ends of the segment around a corner over that along its sides."""
+
+_HERMITE = np.linalg.inv([
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
+    [1.0, 1.0, 1.0, 1.0, 1.0, 1.0], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
+])  # fmt: skip
+"""Coefficients of 1, s, ... s^5 by x, x', x'' at s = 0 and at s = 1."""
 
 NODES = 7
-"""A point and the particles of its segment."""
+"""A point and the points of its segment."""
 
 N_PLACES = 2 * NODES
 
@@ -43,10 +59,23 @@ class Rings(NamedTuple):
     ----------
     first, size : ndarray of int, shape (k,)
         Of every point's own ring: where it begins, how many points it has.
+    quintics : ndarray, shape (k, 6, 6)
+        Coefficients of 1, s, ... s^5 of the six functions N_b on the segment that begins at every point.
     """
 
     first: np.ndarray
     size: np.ndarray
+    quintics: np.ndarray
+
+    def weights(self, segments: np.ndarray, s: np.ndarray, order: int) -> np.ndarray:
+        """Evaluate N_0 ... N_5 of segments or one of their derivatives at s (m,), shape (m, 6)."""
+        coefficients = self.quintics[segments]
+        for _ in range(order):
+            # d(s^k)/ds = k s^(k-1)
+            factors = np.arange(1, coefficients.shape[1])
+            coefficients = coefficients[:, 1:] * factors[:, None]
+        powers = s[:, None] ** np.arange(coefficients.shape[1])
+        return np.einsum("mc,mcb->mb", powers, coefficients)
 
     def step(self, points: np.ndarray, by: int) -> np.ndarray:
         """Return the points a number of positions further along their rings."""
@@ -64,20 +93,55 @@ class Rings(NamedTuple):
         return np.where(self.first[own] == self.first[its], change, np.nan)
 
 
-def rings(sizes) -> Rings:
-    """Build rings from the numbers of their points."""
+def rings(sizes, corner=None) -> Rings:
+    """Build rings from the numbers of their points.
+
+    Parameters
+    ----------
+    sizes : sequence of int
+    corner : ndarray of bool, shape (k,), optional
+        Whether a point is the first one of two at a sharp corner; none unless given.
+    """
     sizes = np.asarray(sizes, int)
     first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    return Rings(np.repeat(first, sizes), np.repeat(sizes, sizes))
+    first, size = np.repeat(first, sizes), np.repeat(sizes, sizes)
+    made = Rings(first, size, np.empty((len(first), 6, 6)))
+    corner = np.zeros(len(first), bool) if corner is None else np.asarray(corner, bool)
+    slopes = _differences(made, corner)
+    # rows x, x', x'' at both ends by the six points a - 2 ... a + 3
+    rows = np.zeros((len(first), 6, 6))
+    rows[:, 0, 2] = rows[:, 3, 3] = 1.0
+    rows[:, 1:3, :5] = slopes
+    rows[:, 4:, 1:] = slopes[made.step(np.arange(len(first)), 1)]
+    # around a corner x' = SPEED h t, and x'' = -4 x' and 4 x' at its ends
+    rows[corner, 1:3] = SPEED * rows[corner, 1, None] * [[1.0], [-4.0]]
+    rows[corner, 4:] = SPEED * rows[corner, 4, None] * [[1.0], [4.0]]
+    return made._replace(quintics=_HERMITE @ rows)
 
 
-def cubics(s: np.ndarray, order: int) -> np.ndarray:
-    """Evaluate N_0 ... N_5 or one of their derivatives at s (m,), shape (m, 6)."""
-    coefficients = _CUBICS
-    for _ in range(order):
-        # d(s^k)/ds = k s^(k-1)
-        coefficients = coefficients[1:] * np.arange(1, len(coefficients))[:, None]
-    return s[:, None] ** np.arange(len(coefficients)) @ coefficients
+def _differences(ring: Rings, corner: np.ndarray) -> np.ndarray:
+    """Weights of the points j - 2 ... j + 2 in x' and x'' at the points j, shape (k, 2, 5): those of
+    the polynomial through the ones on the same side of corners."""
+    every = np.arange(len(corner))
+    # the points at both ends of a side are BESIDE h inside of it
+    shift = BESIDE * (corner[ring.step(every, -1)].astype(float) - corner)
+    one, two = corner[ring.step(every, -1)], corner[ring.step(every, -2)]
+    before, after = (
+        2 - 2 * one - (~one & two),
+        2 - 2 * corner - (~corner & corner[ring.step(every, 1)]),
+    )
+    number = np.arange(-2, 3)
+    at = number + shift[ring.step(every[:, None], number)] - shift[:, None]
+    at[(number < -before[:, None]) | (number > after[:, None])] = np.inf
+    patterns, own = np.unique(at, axis=0, return_inverse=True)
+    weights = np.zeros((len(patterns), 2, 5))
+    for pattern, found in zip(patterns, weights, strict=True):
+        there = np.isfinite(pattern)
+        # rows of the inverse Vandermonde matrix: coefficients of s and s^2 of the Lagrange polynomials
+        powers = np.linalg.inv(pattern[there, None] ** np.arange(there.sum()))
+        for order, factor in enumerate((1.0, 2.0)[: len(powers) - 1]):
+            found[order, there] = factor * powers[order + 1]
+    return weights[own.ravel()]
 
 
 def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
@@ -89,76 +153,102 @@ def outward(x: np.ndarray, ring: Rings) -> np.ndarray:
 
 
 def masters(segments: np.ndarray, ring: Rings) -> np.ndarray:
-    """Return the six particles of the segments that begin at the given points, shape (m, 6)."""
+    """Return the six points of the segments that begin at the given points, shape (m, 6)."""
     return np.column_stack([ring.step(segments, by) for by in range(-2, 4)])
 
 
-def _polynomials(x, segments, ring):
-    """Coefficients of 1, s, s^2, s^3 of the curve on segments, shape (4, m, 2)."""
-    return np.einsum("cb,mbi->cmi", _CUBICS, x[masters(segments, ring)])
+@internal
+def _polynomial(x, a, first, size, quintics, found):
+    """Coefficients (6, 2) of 1, s, ... s^5 of the curve on the segment that begins at point a."""
+    for c in range(6):
+        for i in range(2):
+            found[c, i] = 0.0
+            for b in range(6):
+                point = first[a] + (a - first[a] + b - 2) % size[a]
+                found[c, i] += quintics[a, c, b] * x[point, i]
 
 
-def _slope(polynomials, places, s):
+@internal
+def _slope(polynomial, place, s):
     """(x - x_c) . t and its derivative by s."""
-    (c0, c1, c2, c3), s = polynomials, s[:, None]
-    # r = x - x_c,  t = x_c,s,  x_c,ss
-    r = places - (((c3 * s + c2) * s + c1) * s + c0)
-    t, bend = (3.0 * c3 * s + 2.0 * c2) * s + c1, 6.0 * c3 * s + 2.0 * c2
-    # h = r . t,  h,s = r . x_c,ss - t . t
-    return (r * t).sum(axis=1), (r * bend).sum(axis=1) - (t * t).sum(axis=1)
+    value, rate, square = 0.0, 0.0, 0.0
+    for i in range(2):
+        # x_c, t = x_c,s and x_c,ss / 2 by Horner's rule
+        x_c, t, half_bend = polynomial[5, i], 0.0, 0.0
+        for c in range(4, -1, -1):
+            half_bend = half_bend * s + t
+            t = t * s + x_c
+            x_c = x_c * s + polynomial[c, i]
+        r = place[i] - x_c
+        # h = r . t,  h,s = r . x_c,ss - t . t
+        value += r * t
+        rate += 2.0 * r * half_bend
+        square += t * t
+    return value, rate - square
+
+
+@internal
+def _stationary(polynomial, place):
+    """Natural coordinate s where (x - x_c) . t, which changes sign from 0 to 1, is zero."""
+    low, high, s = 0.0, 1.0, 0.5
+    for _ in range(_ITERATIONS):
+        value, rate = _slope(polynomial, place, s)
+        if value == 0.0:
+            break
+        # h falls along s: the zero lies in [low, high]
+        if value > 0.0:
+            low = s
+        else:
+            high = s
+        # Newton, halving where it leaves the bracket
+        step = s - value / rate if rate != 0.0 else low
+        if not low < step < high:
+            step = 0.5 * (low + high)
+        change, s = abs(step - s), step
+        if change <= _SETTLED:
+            break
+    return s
+
+
+@compiled
+def _project(x, places, nearest, first, size, quintics, segments, s, found):
+    """Fill in ``segments``, ``s`` and ``found`` of ``project``."""
+    here, there = np.empty((6, 2)), np.empty((6, 2))
+    for m in range(len(places)):
+        place, a = places[m], nearest[m]
+        _polynomial(x, a, first, size, quintics, here)
+        # the projection lies at the nearest point or ahead of it where r . t >= 0 there
+        ahead = _slope(here, place, 0.0)[0] >= 0.0
+        for k in range(2):
+            segments[m] = first[a] + (a - first[a] + (k if ahead else -1 - k)) % size[a]
+            after = first[a] + (segments[m] - first[a] + 1) % size[a]
+            _polynomial(x, segments[m], first, size, quintics, here)
+            _polynomial(x, after, first, size, quintics, there)
+            # a segment has it where r . t changes sign; both segments that meet at a point ask the
+            # same polynomial there, so that rounding cannot make both refuse
+            if _slope(here, place, 0.0)[0] >= 0.0 and not _slope(there, place, 0.0)[0] >= 0.0:
+                found[m], s[m] = True, _stationary(here, place)
+                break
 
 
 def project(x, places, nearest, ring: Rings):
-    """Closest points of the curve near its particles ``nearest`` (m,) to ``places`` (m, 2).
+    """Closest points of the curve near its points ``nearest`` (m,) to ``places`` (m, 2).
 
     Returns
     -------
     segments : ndarray of int, shape (m,)
     s : ndarray, shape (m,)
     found : ndarray of bool, shape (m,)
-        Whether (x - x_c) . t = 0 within two segments of the nearest particle.
+        Whether (x - x_c) . t = 0 within two segments of the nearest point.
     """
-    zero, one = np.zeros(len(nearest)), np.ones(len(nearest))
-    # the projection lies ahead of the nearest particle where r . t >= 0 there
-    ahead = _slope(_polynomials(x, nearest, ring), places, zero)[0] >= 0.0
-    segments = np.where(ahead, nearest, ring.step(nearest, -1))
-    for _ in range(2):
-        polynomials = _polynomials(x, segments, ring)
-        first, last = (_slope(polynomials, places, end)[0] for end in (zero, one))
-        # a segment has it where r . t changes sign
-        found = (first >= 0.0) & (last <= 0.0)
-        on = np.where(ahead, ring.step(segments, 1), ring.step(segments, -1))
-        segments = np.where(found, segments, on)
-    s = 0.5 * one
-    s[found] = _stationary(polynomials[:, found], places[found])
+    segments, s, found = nearest.copy(), np.full(len(nearest), 0.5), np.zeros(len(nearest), bool)
+    _project(x, places, nearest, *ring, segments, s, found)
     return segments, s, found
-
-
-def _stationary(polynomials, places) -> np.ndarray:
-    """s (m,) where (x - x_c) . t, which changes sign from 0 to 1, is zero; every point for itself."""
-    s = np.full(len(places), 0.5)
-    low, high, left = np.zeros_like(s), np.ones_like(s), np.arange(len(s))
-    for _ in range(_ITERATIONS):
-        at = s[left]
-        value, rate = _slope(polynomials[:, left], places[left], at)
-        # h falls along s: the zero lies in [low, high]
-        low[left] = np.where(value > 0.0, at, low[left])
-        high[left] = np.where(value > 0.0, high[left], at)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            # Newton, halving where it leaves the bracket
-            step = at - value / rate
-        inside = (step > low[left]) & (step < high[left])
-        step = np.where(inside, step, 0.5 * (low[left] + high[left]))
-        s[left] = step = np.where(value == 0.0, at, step)
-        left = left[np.abs(step - at) > _SETTLED]
-        if not left.size:
-            break
-    return s
 
 
 class Kinematics(NamedTuple):
     """Gap, natural coordinate and |t| of m points near the curve, with their derivatives by the places
-    of the point itself and of the six particles of its segment, (7, 2) each.
+    of the point itself and of the six points of its segment, (7, 2) each.
 
     Attributes
     ----------
@@ -177,11 +267,13 @@ class Kinematics(NamedTuple):
     xi_2: np.ndarray
 
 
-def kinematics(x, nodes, segments, s) -> Kinematics:
-    """Kinematics of points ``nodes[:, 0]`` at s (m,) of ``segments``, whose particles are
+def kinematics(x, nodes, segments, s, ring: Rings) -> Kinematics:
+    """Kinematics of points ``nodes[:, 0]`` at s (m,) of ``segments``, whose points are
     ``nodes[:, 1:]`` (m, 7)."""
-    weights = [np.column_stack([np.full(len(s), 1.0 if i == 0 else 0.0), -cubics(s, i)])
-               for i in range(4)]  # fmt: skip
+    weights = [
+        np.column_stack([np.full(len(s), 1.0 if i == 0 else 0.0), -ring.weights(segments, s, i)])
+        for i in range(4)
+    ]
     # r = x - x_c, and t, x_c,ss, x_c,sss of the curve, whose weights have a minus
     r, *along = (np.einsum("ma,mai->mi", w, x[nodes]) for w in weights)
     t, bend, twist = (-part for part in along)

@@ -6,6 +6,7 @@ half of the friction limit each. The result does not depend on the choice of sla
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -13,6 +14,7 @@ from scipy.sparse import coo_array
 from seal_mdao.contact.boundary_curve import (
     N_PLACES,
     NODES,
+    Rings,
     kinematics,
     masters,
     outward,
@@ -33,8 +35,9 @@ from seal_mdao.contact.self_friction import (
 from seal_mdao.contact.self_linear import LinearContact
 from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.errors import GeometryError
+from seal_mdao.terms.averaged_points import SMOOTH, averaged_points
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
-from seal_mdao.terms.points import MaterialPoints, boundary_particles
+from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import ReleasedEnergy, TermDefinition
 
 SHARED = 0.5
@@ -63,7 +66,7 @@ class SelfContact(TermDefinition):
         Particles of the nominal body, whose walls limit the penetration.
     law : ContactLaw
     edge_of : ndarray of int, shape (k,), or None
-        Edge of every particle, e for none, for friction by pairs of edges.
+        Edge of every point, e for none, for friction by pairs of edges.
     pair_of : ndarray of int, shape (e + 1, e + 1), or None
         Group of the friction law by the edges of both sides, -1 where they do not touch each other.
     axisymmetric : bool
@@ -98,20 +101,43 @@ class SelfContact(TermDefinition):
                 f"{len(self.touching)}"
             )
 
-    @property
+    @cached_property
     def where(self) -> MaterialPoints:
-        """Points: the particles of all loops with half the length of the sides at each; in a body of
-        revolution the sides are turned about the axis."""
+        """Points: averages at the particles of all loops (``terms.averaged_points``), two at a sharp
+        corner. Tributary lengths are those of sides whose two particles may touch."""
         particles = np.concatenate(self.loops)
         neighbours = np.concatenate(
             [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
         )
-        # a side that leads to a particle that may not touch is not in contact
-        may = np.zeros(particles.max() + 1, bool)
-        may[particles] = self.touching
-        neighbours = np.where(may[neighbours], neighbours, particles[:, None])
-        points = boundary_particles(particles, neighbours)
-        return points.around_axis() if self.axisymmetric else points
+        points = averaged_points(particles, neighbours, self.nominal, self.axisymmetric, SMOOTH)
+        if self.axisymmetric and not self.nominal[particles, 0].all():
+            # sides on the axis have no circumference to be averaged with
+            points = replace(points, averages=points.averages._replace(around=False))
+        return replace(points, fractions=points.fractions * self._touching_sides(points))
+
+    def _touching_sides(self, points: MaterialPoints) -> np.ndarray:
+        """Which sides of the points may touch, shape (k, 2)."""
+        may = np.zeros(len(self.nominal), bool)
+        may[np.concatenate(self.loops)] = self.touching
+        return may[points.edges].all(axis=2)
+
+    @cached_property
+    def may(self) -> np.ndarray:
+        """Which points may touch: those at particles that may, at a sharp corner by their own side."""
+        where = self.where
+        sides = where.edges[..., 0] != where.edges[..., 1]
+        touching = self._touching_sides(where)
+        particle = np.zeros(len(self.nominal), bool)
+        particle[np.concatenate(self.loops)] = self.touching
+        divided = ~sides.all(axis=1)
+        return np.where(divided, (touching & sides).any(axis=1), particle[where.of_particles])
+
+    @cached_property
+    def ring(self) -> Rings:
+        """The closed boundaries of the points."""
+        corner = self.where.edges[:, 1, 0] == self.where.edges[:, 1, 1]
+        sizes = [int(np.isin(self.where.of_particles, loop).sum()) for loop in self.loops]
+        return rings(sizes, corner)
 
     @property
     def scalars(self) -> dict:
@@ -124,8 +150,8 @@ class SelfContact(TermDefinition):
         return replace(self, law=self.law.with_parameters(own))
 
     def point_set(self):
-        """The particles of all loops."""
-        return self.where.points
+        """The points of all loops."""
+        return self.where.moving
 
     def may_touch(self) -> np.ndarray:
         """Return which points may touch the boundary near which points, shape (k, k).
@@ -133,27 +159,23 @@ class SelfContact(TermDefinition):
         Neighbours within ``NEIGHBOURS`` sides along a boundary may not.
         """
         # both points may touch and are not neighbours on one boundary
-        found = np.outer(self.touching, self.touching)
+        found = np.outer(self.may, self.may)
         if self.pair_of is not None:
             found &= self.pair_of[np.ix_(self.edge_of, self.edge_of)] >= 0
-        first = 0
+        particle = self.where.of_particles
         for loop in self.loops:
-            # sides between two points of the closed loop, in the shorter direction
-            number = np.arange(len(loop))
+            # sides between two particles of the closed loop, in the shorter direction
+            own = np.flatnonzero(np.isin(particle, loop))
+            number = np.argsort(loop)[np.searchsorted(np.sort(loop), particle[own])]
             between = np.abs(number[:, None] - number)
-            own = slice(first, first + len(loop))
-            found[own, own] &= np.minimum(between, len(loop) - between) > NEIGHBOURS
-            first += len(loop)
+            found[np.ix_(own, own)] &= np.minimum(between, len(loop) - between) > NEIGHBOURS
         return found
 
     def reach(self) -> float:
         """Largest penetration in contact, mm: half of the thinnest wall with sides that may touch;
         infinite where there is none."""
-        x, ring = (
-            self.nominal[np.concatenate(self.loops)],
-            rings([len(loop) for loop in self.loops]),
-        )
-        normal = outward(x, ring)
+        x = self.nominal[self.where.of_particles]
+        normal = outward(x, self.ring)
         # j lies behind i and i behind j, opposite normals: two sides of one wall
         behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
         through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
@@ -163,8 +185,8 @@ class SelfContact(TermDefinition):
     def pairs(self):
         """Return the pairs of points with particles of segments that they may touch, and of those
         particles with each other."""
-        ring = rings([len(loop) for loop in self.loops])
-        every, allowed = np.arange(len(self.touching)), self.may_touch()
+        ring, allowed = self.ring, self.may_touch()
+        every = np.arange(len(allowed))
         reached = allowed.copy()
         for by in range(-4, 5):  # two segments to either side of the nearest particle
             reached |= allowed[:, ring.step(every, by)]
@@ -196,7 +218,7 @@ class SelfContactTerm(CoupledTerm):
         )
         self.reach, self.allowed = definition.reach(), definition.may_touch()
         self.edge_of, self.pair_of = definition.edge_of, definition.pair_of
-        self.ring = rings([len(loop) for loop in definition.loops])
+        self.ring = definition.ring
         # a point opposite must be this near to be followed before it touches
         length = float(self.where.lengths(discretization.particles).max())
         self.near = 4.0 * length
@@ -272,7 +294,7 @@ class SelfContactTerm(CoupledTerm):
         segments, s, found = project(x, x[points], nearest[points], self.ring)
         points, segments, s = points[found], segments[found], s[found]
         nodes = np.column_stack([points, masters(segments, self.ring)])
-        now = kinematics(x, nodes, segments, s)
+        now = kinematics(x, nodes, segments, s, self.ring)
         # deeper is not penetration but the other side of the wall
         deep = now.gap > -self.reach
         return points[deep], nodes[deep], type(now)(*(part[deep] for part in now))

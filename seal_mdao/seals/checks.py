@@ -390,7 +390,7 @@ def _crossing_cure(samples: EvaluationPoints, sides, touching, worst: int) -> st
         name
         for name, edge in samples.path.discretization.body.edges.items()
         for term in _contacts_with_itself(samples)
-        if np.isin(edge.particles, term.where.at_particles).all()
+        if np.isin(edge.particles, term.where.of_particles).all()
     ]
     # in contact with each other, but for points that are neighbours along the boundary
     listed_pairs = any(term.pair_of is not None for term in _contacts_with_itself(samples))
@@ -422,17 +422,24 @@ def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> tuple[np.nda
     ends, found = samples.sides[0][sides], np.zeros(len(sides))
     touching = np.zeros(len(sides), bool)
     for term in _contacts_with_itself(samples):
-        # index of a particle among the points of the contact, -1 elsewhere
-        number = np.full(samples.path.discretization.body.n_particles, -1)
-        number[term.where.at_particles] = np.arange(len(term.where))
-        one, other = np.moveaxis(number[ends], 1, 0)
+        # first and last point at every particle, two at a sharp corner; -1 elsewhere
+        points = np.full((samples.path.discretization.body.n_particles, 2), -1)
+        own = term.where.of_particles
+        points[own, 1] = np.arange(len(own))
+        points[own[::-1], 0] = np.arange(len(own))[::-1]
+        one, other = np.moveaxis(points[ends].reshape(len(ends), 2, -1), 1, 0)
         one, other = one[:, :, None], other[:, None, :]
         # any end of one side may touch any end of the other
         touch = (term.allowed[one, other] & (one >= 0) & (other >= 0)).any(axis=(1, 2))
-        deepest = -term.gaps(samples.places[term.where.at_particles])[1].min(initial=0.0)
+        deepest = -term.gaps(_places(samples, term))[1].min(initial=0.0)
         found[touch] = max(deepest, SLIGHT * samples.wall)
         touching |= touch
     return found, touching
+
+
+def _places(samples: EvaluationPoints, term) -> np.ndarray:
+    """Deformed places of the points of a self-contact, shape (k, 2)."""
+    return samples.path.steps[-1].responses[term.index].x
 
 
 def _contacts_with_itself(samples: EvaluationPoints):
@@ -442,7 +449,7 @@ def _contacts_with_itself(samples: EvaluationPoints):
 def _inside_itself(samples: EvaluationPoints):
     """Report the penetration of walls in contact."""
     for term in _contacts_with_itself(samples):
-        x = samples.places[term.where.at_particles]
+        x = _places(samples, term)
         # largest penetration -min g_n between walls
         points, gap = term.gaps(x)
         size, whose = _smaller_of_wall_and_squeeze(samples)

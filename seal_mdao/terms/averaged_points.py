@@ -41,8 +41,9 @@ point of the free side beside it does not touch, unless the penetration is as la
 
 
 def averaged_points(
-    which: np.ndarray, neighbours: np.ndarray, nominal, axisymmetric: bool = False
-) -> MaterialPoints:
+    which: np.ndarray, neighbours: np.ndarray, nominal, axisymmetric: bool = False,
+    beside_corner: float = BESIDE_CORNER,
+) -> MaterialPoints:  # fmt: skip
     """Create boundary points that move as the mean of the edges beside each particle, with half of
     their lengths; two at a sharp corner, one for each of its sides.
 
@@ -55,6 +56,8 @@ def averaged_points(
         curved, mm.
     axisymmetric : bool
         Whether the edges are turned about the axis x = 0.
+    beside_corner : float
+        gamma of edges at sharp corners.
     """
     which, neighbours, divided = _divided_corners(which, neighbours, nominal)
     where = boundary_particles(which, neighbours)
@@ -86,7 +89,7 @@ def averaged_points(
         inside = (inner | (nominal[a, 0] == 0.0)) & known
     straight_end = ~(inside & inside[back]) & (near + far == 0.0)
     gamma = np.where(straight_end, DUAL, SMOOTH)
-    gamma = np.where(at_corner, BESIDE_CORNER, gamma)[:, None]
+    gamma = np.where(at_corner, beside_corner, gamma)[:, None]
     fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
     radial = None
     if axisymmetric:

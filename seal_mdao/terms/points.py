@@ -62,9 +62,15 @@ class MaterialPoints:
         if self.averages is not None or self.points.anchors.shape[1] != 1:
             raise ValueError(
                 "contact points between particles, or averaged over edges, are not supported for "
-                "the work of a rotating profile, trapped air, fluids and self-contact; use contact "
-                "points at the particles (Body.edge_points)"
+                "the work of a rotating profile, trapped air and fluids; use contact points at the "
+                "particles (Body.edge_points)"
             )
+        return self.points.anchors[:, 0]
+
+    @property
+    def of_particles(self) -> np.ndarray:
+        """Particle of every point that is not between particles, shape (k,): where it is, or whose
+        edges it is the mean of; the same one for two points at a sharp corner."""
         return self.points.anchors[:, 0]
 
     def mean_at_particles(self, values: np.ndarray, n_particles: int) -> np.ndarray:

@@ -155,4 +155,4 @@ def test_newtons_method_needs_the_line_search(folded, monkeypatch):
     """Full steps go to and fro between states of points on both walls."""
     assert unsolved(folded) == 0
     monkeypatch.setattr(linear_contact, "SMALLEST", 1.0)
-    assert unsolved(folded) >= 2
+    assert unsolved(folded) >= 1

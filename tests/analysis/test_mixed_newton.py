@@ -202,7 +202,7 @@ def outside_a_ring(*angles):
         angle = turn[3] + share * turn[1]
         away = (RADIUS + 0.1) * np.array([[np.cos(angle), np.sin(angle)]])
         x = np.vstack([curve, away])
-        now = kinematics(x, nodes, segments, np.array([share]))
+        now = kinematics(x, nodes, segments, np.array([share]), ring)
         found.append(Linearization(x, point, nodes, now, *unloaded(1)))
     return ring, *found
 

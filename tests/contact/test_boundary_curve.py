@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from seal_mdao.contact.boundary_curve import (
+    BESIDE,
     N_PLACES,
-    cubics,
     kinematics,
     masters,
     outward,
@@ -34,17 +34,64 @@ def places_near(x, ring):
     segments, s, found = project(x, x[POINTS], NEAREST, ring)
     assert found.all()
     nodes = np.column_stack([POINTS, masters(segments, ring)])
-    return nodes, kinematics(x, nodes, segments, s)
+    return nodes, kinematics(x, nodes, segments, s, ring)
 
 
-def test_lines_are_reproduced_and_curvature_is_continuous():
+def test_the_curve_runs_through_its_points_with_continuous_curvature():
+    """It reproduces polynomials of fourth degree in xi at the points, lines everywhere."""
+    ring, at = rings([12]), np.full(7, 4)
     s = np.linspace(0.0, 1.0, 7)
-    np.testing.assert_allclose(cubics(s, 0).sum(axis=1), 1.0, rtol=1e-14)
-    np.testing.assert_allclose(cubics(s, 0) @ np.arange(-2.0, 4.0), s, atol=1e-14)
+    np.testing.assert_allclose(ring.weights(at, s, 0).sum(axis=1), 1.0, rtol=1e-14)
+    np.testing.assert_allclose(ring.weights(at, s, 0) @ np.arange(-2.0, 4.0), s, atol=1e-14)
     zero, one = np.zeros(1), np.ones(1)
     for order in range(3):
-        ahead, behind = cubics(zero, order)[0], cubics(one, order)[0]
-        np.testing.assert_allclose([0.0, *ahead], [*behind, 0.0], atol=1e-14)
+        ahead, behind = ring.weights(at[:1], zero, order)[0], ring.weights(at[:1], one, order)[0]
+        np.testing.assert_allclose([0.0, *ahead], [*behind, 0.0], atol=1e-13)
+        # d^n(s^4)/ds^n at the points a and a + 1
+        powers = np.arange(-2.0, 4.0) ** 4
+        assert ahead @ powers == pytest.approx(0.0, abs=1e-12)
+        assert ring.weights(at[:1], one, 0)[0] == pytest.approx([0, 0, 0, 1, 0, 0], abs=1e-14)
+
+
+def squares(h, beside):
+    """Points of a square with sides of 4 h, two at every corner, and the first ones there."""
+    side = h * np.array([beside, 1.0, 2.0, 3.0, 4.0 - beside])
+    along = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    start = 4.0 * h * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    x = start[:, None] + side[:, None] * along[:, None]
+    return x.reshape(-1, 2), np.tile([False, False, False, False, True], 4)
+
+
+def test_sides_between_corners_are_straight():
+    """Beside a corner the curve leaves the side by the fifth power of the way to the corner."""
+    x, corner = squares(0.5, BESIDE)
+    ring = rings([20], corner)
+    s = np.linspace(0.0, 1.0, 101)
+
+    def curve(segment):
+        at = np.full(len(s), segment)
+        return np.einsum("mb,mbi->mi", ring.weights(at, s, 0), x[masters(at, ring)])
+
+    for segment in range(4):
+        np.testing.assert_allclose(curve(segment)[:, 1], 0.0, atol=1e-15)
+        # monotonic
+        assert (np.diff(curve(segment)[:, 0]) > 0.0).all()
+    around, inset = curve(4), 0.5 * BESIDE
+    np.testing.assert_allclose(around[:, 1], inset * s**5, atol=1e-3 * inset)
+    np.testing.assert_allclose(2.0 - around[:, 0], inset * (1.0 - s) ** 5, atol=1e-3 * inset)
+
+
+def test_a_point_that_faces_a_point_of_the_curve_is_found():
+    """Rounding decides on which side of it the projection lies, but not whether there is one."""
+    x, corner = squares(0.5, BESIDE)
+    ring, every = rings([20], corner), np.arange(20)
+    for angle in np.linspace(0.0, 1.5, 100):
+        c, s = np.cos(angle), np.sin(angle)
+        places = x @ np.array([[c, s], [-s, c]])
+        segments, s, found = project(places, places + 1e-3 * outward(places, ring), every, ring)
+        assert found.all()
+        off = np.abs(segments + s - every)
+        assert np.minimum(off, 20.0 - off).max() < 1e-2
 
 
 def test_the_curve_converges_with_the_fourth_power():
@@ -52,7 +99,7 @@ def test_the_curve_converges_with_the_fourth_power():
 
     def error(k):
         x, ring = ellipse(k, 1.0, 1.0), rings([k])
-        r = [cubics(np.full(k, s), 0) for s in (0.0, 0.3, 0.5)]
+        r = [ring.weights(np.arange(k), np.full(k, s), 0) for s in (0.0, 0.3, 0.5)]
         nodes = x[masters(np.arange(k), ring)]
         return max(np.abs(np.hypot(*np.einsum("mb,mbi->im", w, nodes)) - 1.0).max() for w in r)
 
@@ -62,25 +109,31 @@ def test_the_curve_converges_with_the_fourth_power():
 
 
 def test_kinematics_against_central_differences(crossed):
-    """Of first and second order, by all places. The step's square times third derivatives is below
-    1e-8; rounding over the step 1e-11."""
+    """Of first and second order, by all places. Differences of fourth order: their error is below the
+    rounding of 1e-16 over the step, times the largest entries of 1e3."""
     (x, ring), h = crossed, 1e-5
     nodes, exact = places_near(x, ring)
+
+    def moved(at, step):
+        other = x.copy()
+        other[at] += step * h
+        return places_near(other, ring)[1]
+
     for i in range(len(POINTS)):
         for column in range(N_PLACES):
-            after, before = x.copy(), x.copy()
             at = nodes[i, column // 2], column % 2
-            after[at] += h
-            before[at] -= h
-            a, b = places_near(after, ring)[1], places_near(before, ring)[1]
+            sampled = [moved(at, step) for step in (-2, -1, 1, 2)]
+
+            def quotient(name, i=i, sampled=sampled):
+                values = [getattr(found, name)[i] for found in sampled]
+                return np.tensordot([1.0, -8.0, 8.0, -1.0], values, axes=1) / (12.0 * h)
+
             for name in ("gap", "xi", "size"):
-                found = (getattr(a, name)[i] - getattr(b, name)[i]) / (2.0 * h)
-                assert abs(found - getattr(exact, f"{name}_1")[i, column]) < 1e-8
+                found = getattr(exact, f"{name}_1")[i, column]
+                assert abs(found - quotient(name)) < 1e-8
             for name in ("gap", "xi"):
-                found = (getattr(a, f"{name}_1")[i] - getattr(b, f"{name}_1")[i]) / (2.0 * h)
-                np.testing.assert_allclose(
-                    getattr(exact, f"{name}_2")[i, :, column], found, atol=1e-8
-                )
+                found = getattr(exact, f"{name}_2")[i, :, column]
+                np.testing.assert_allclose(found, quotient(f"{name}_1"), atol=1e-8)
 
 
 def test_gap_and_slip_do_not_know_of_rigid_motions(crossed):

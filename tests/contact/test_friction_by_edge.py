@@ -179,9 +179,9 @@ def test_only_pairs_that_are_named_touch(tmp_path, different):
     path = file_with(tmp_path, "back = 0.02, lower = 0.2", PAIRS)
     own = sm.build_seal(path).terms()[2]
     edges = {name: different.seal.body.edge(name).particles for name in ("body", "lip", "upper")}
-    particles, allowed = np.concatenate(own.loops), own.may_touch()
+    particles, allowed = own.where.of_particles, own.may_touch()
     on_body = np.isin(particles, edges["body"])
-    on_upper = np.isin(particles, edges["upper"][1:])
+    on_upper = np.isin(particles, edges["upper"][1:-1])
     assert allowed[np.ix_(on_body, on_upper)].any()
     assert not allowed[np.ix_(on_body, on_body)].any()
     assert different.seal.terms()[2].may_touch()[np.ix_(on_body, on_body)].any()
@@ -193,12 +193,12 @@ def test_segment_that_begins_on_another_edge_has_the_friction_of_its_end(
 ):
     """Where the first end of the segment is on no edge that touches."""
     own, term = different.seal.terms()[2], different.term("self_contact")
-    particles = np.concatenate(own.loops)
+    particles = own.where.of_particles
     point, touched = (
         int(np.flatnonzero(np.isin(particles, different.seal.body.edge(name).particles[1:-1]))[0])
         for name in ("body", opposite)
     )
-    other = int(np.flatnonzero(~own.touching)[0])
+    other = int(np.flatnonzero(~own.may)[0])
     assert term.pair_of[term.edge_of[point], term.edge_of[other]] < 0
     nodes = np.zeros((3, 6), int)
     nodes[:, 3:5] = [[touched, touched], [other, touched], [touched, other]]

@@ -104,7 +104,7 @@ def test_which_wall_is_called_master_does_not_matter(pressed):
     problem = pressed.path.problem
     own = term.respond(x, 1.0, term.no_history())
     turned = itself(body, 0.0, turned=True).on(problem.discretization, term.index)
-    order = [int(np.flatnonzero(turned_hole(body) == p)[0]) for p in term.where.at_particles]
+    order = [int(np.flatnonzero(turned_hole(body) == p)[0]) for p in term.where.of_particles]
     back = np.argsort(order)
     other = turned.respond(x[back], 1.0, turned.no_history())
     size = np.abs(own.force).max()
@@ -243,12 +243,14 @@ def test_derivatives_of_the_ring_against_central_differences(friction):
 
 
 def test_the_points_share_the_length_of_the_edges_that_may_touch():
-    """Of a square of eight sides only the upper edge, of two sides, may touch: the tributary lengths at
-    its corners contain nothing of the vertical sides."""
+    """Of a square of eight sides only the upper edge, of two sides, may touch: of the two points at
+    each of its corners only the one on this edge, and it has half of a side."""
     x = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1]], float)
     law = ContactLaw(1e3, 1e3, 0.0, True)
     contact = SelfContact("self", (np.arange(8),), np.isin(np.arange(8), [4, 5, 6]), x, law)
-    assert contact.where.measures(x)[[4, 5, 6]].tolist() == [0.5, 1.0, 0.5]
+    assert contact.where.of_particles.tolist() == [0, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 7]
+    assert contact.where.measures(x)[6:11].tolist() == [0.0, 0.5, 1.0, 0.5, 0.0]
+    assert contact.may[6:11].tolist() == [False, True, True, True, False]
 
 
 def test_a_section_that_overlaps_itself_is_refused():

@@ -3,6 +3,7 @@
 ``on`` of a table binds it to a section: it returns the definition of its term.
 """
 
+from dataclasses import replace
 from functools import cache
 from typing import Annotated
 
@@ -242,14 +243,17 @@ class SelfContactTable(Table):
         # closest points are looked for on the complete loops
         own = tuple(loop for loop in section.loops if np.isin(loop, particles).any())
         touching = np.isin(np.concatenate(own), particles)
-        friction, edge_of, pair_of = self.friction, None, None
-        if self.pairs:
-            friction, pair_of = self._by_pairs()
-            edge_of = self._edges_of(section, np.concatenate(own))
+        friction, pair_of = (self.friction, None) if not self.pairs else self._by_pairs()
         law = ContactLaw(self.normal_penalty, self.tangent_penalty, friction, True)
-        return SelfContact(
-            SELF_CONTACT, own, touching, nominal, law, edge_of, pair_of, section.body.axisymmetric
+        contact = SelfContact(
+            SELF_CONTACT, own, touching, nominal, law, axisymmetric=section.body.axisymmetric
         )
+        if not self.pairs:
+            return contact
+        edge_of = section.edge_numbers(self.edges, contact.where)
+        # the last row and column of pair_of are those of points on none of the edges
+        edge_of = np.where(edge_of < 0, len(self.edges), edge_of)
+        return replace(contact, edge_of=edge_of, pair_of=pair_of)
 
     def _by_pairs(self) -> tuple[FrictionByGroup, np.ndarray]:
         """Return the laws of the pairs, that of all others last, and the pair of both edges."""
@@ -263,14 +267,6 @@ class SelfContactTable(Table):
             pair_of[one, other] = pair_of[other, one] = group
         named = [(pair.name, pair.friction) for pair in self.pairs] + others
         return FrictionByGroup(*zip(*named, strict=True)), pair_of
-
-    def _edges_of(self, section: SectionBody, particles: np.ndarray) -> np.ndarray:
-        """Return the place in ``edges`` of every particle, their number for none, shape (k,)."""
-        found = np.full(len(particles), len(self.edges))
-        # a corner belongs to the first of two edges
-        for place, name in reversed(list(enumerate(self.edges))):
-            found[np.isin(particles, section.body.edge(name).particles)] = place
-        return found
 
 
 TERM_NAME = "prefix of the names of its parameters; default: its type"
