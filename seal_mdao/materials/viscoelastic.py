@@ -205,6 +205,16 @@ class PronySeries:
         left, g = 1.0 - sum(self.g), np.array(self.g)
         return (left, g) if self.instantaneous else (1.0, g / left)
 
+    def _long_rates(self, i: int) -> tuple[float, np.ndarray]:
+        """Differentiate e and beta in g_i, counted from 0."""
+        # constants of short times: e' = -1, beta_j' = delta_ij
+        beta_rate = np.zeros(len(self.g))
+        beta_rate[i] = 1.0
+        if self.instantaneous:
+            return -1.0, beta_rate
+        # of long times: e = 1, beta_j' = (delta_ij + beta_j) / (1 - sum g)
+        return 0.0, (beta_rate + self._long()[1]) / (1.0 - sum(self.g))
+
     def _reduced(self, duration, temperature):
         """Compute xi and the derivatives of its logarithm."""
         duration = np.asarray(duration, float)
@@ -213,6 +223,37 @@ class PronySeries:
         log, rates = self.shift.log_factor(temperature)
         # xi = dt / a_T,  d ln xi = -d ln a
         return duration * np.exp(-log), {name: -rate for name, rate in rates.items()}
+
+    def relaxed(self, duration: np.ndarray, temperature: np.ndarray) -> tuple[float, dict]:
+        """Compute the relaxation function over the modulus of the law, R = e + sum_i beta_i
+        exp(-sum xi / tau_i), after K steps of ``duration`` and ``temperature`` (K,), as of ``step``.
+
+        Returns
+        -------
+        float
+            Stress of a strain that is kept since the first step, over that of the law.
+        dict
+            Derivatives of R in every constant (float), and in ``duration`` and ``temperature`` (K,).
+        """
+        (xi, by_log), (long, beta) = self._reduced(duration, temperature), self._long()
+        tau, total = np.array(self.tau), xi.sum()
+        decayed = np.exp(-total / tau)
+        factor = float(long + beta @ decayed)
+        # dR/d(sum xi) = -sum_i beta_i exp(-sum xi / tau_i) / tau_i
+        by_total = -float(beta @ (decayed / tau))
+        rates = {name: by_total * (xi * rate) for name, rate in by_log.items()}
+        heat = {"temperature": rates.pop("temperature")} if "temperature" in rates else {}
+        out = {name: float(rate.sum()) for name, rate in rates.items()}
+        # d xi/d(dt) = 1 / a_T
+        unshifted = np.ones_like(xi)
+        if self.shift is not None:
+            unshifted = np.exp(-self.shift.log_factor(temperature)[0])
+        for i, own in enumerate(self.tau):
+            # dR/dtau_i = beta_i exp(-sum xi / tau_i) sum xi / tau_i^2
+            out[f"tau_{i + 1}"] = float(beta[i] * decayed[i] * total / own**2)
+            long_rate, beta_rate = self._long_rates(i)
+            out[f"g_{i + 1}"] = float(long_rate + beta_rate @ decayed)
+        return factor, out | heat | {"duration": by_total * unshifted}
 
     def step(self, duration: np.ndarray, temperature: np.ndarray) -> StepCoefficients:
         """Compute the coefficients of K steps.
@@ -233,7 +274,7 @@ class PronySeries:
     def step_rates(self, duration, temperature) -> dict[str, StepCoefficients]:
         """Differentiate ``step`` in every constant, and in ``duration`` and ``temperature``."""
         own, (xi, by_log) = self.step(duration, temperature), self._reduced(duration, temperature)
-        tau, (_, beta), none = np.array(self.tau)[:, None], self._long(), np.zeros_like(own.keep)
+        tau, none = np.array(self.tau)[:, None], np.zeros_like(own.keep)
         # of keep and take in xi: -keep / tau, -take / (2 tau)
         keep, take = -own.keep / tau, -0.5 * own.take / tau
         # dxi/d(dt) = 1 / a_T, xi dlnxi of temperature and constants of the shift
@@ -252,13 +293,7 @@ class PronySeries:
             of_keep[i], of_take[i] = -xi / self.tau[i] * keep[i], -xi / self.tau[i] * take[i]
             out[f"tau_{i + 1}"] = StepCoefficients(of_take.sum(axis=0), of_keep, of_take)
             # of g_i: those of e and beta
-            # constants of short times: e' = -1, beta_i' = 1
-            long_rate, beta_rate = -1.0, np.zeros_like(beta)
-            beta_rate[i] = 1.0
-            if not self.instantaneous:
-                # of long times: e = 1, beta_j' = (delta_ij + beta_j) / (1 - sum g)
-                left = 1.0 - sum(self.g)
-                long_rate, beta_rate = 0.0, (beta_rate + beta) / left
+            long_rate, beta_rate = self._long_rates(i)
             of_take = beta_rate[:, None] * half
             out[f"g_{i + 1}"] = StepCoefficients(long_rate + of_take.sum(axis=0), none, of_take)
         return out

@@ -178,9 +178,9 @@ def _history(result, contact) -> ProfileHistory:
     moved = _coordinates(motion, number) - since
     at_steps = np.zeros((len(number), 4))
     if isinstance(contact, RigidContact):
-        moduli = ContactModulus(result, contact.label).values
-        for step in range(len(number)):
-            at_steps[step] = _contact_at(result, contact, step, moduli)
+        modulus = ContactModulus(result, contact.label)
+        for index, step in enumerate(result.path.nominal_steps):
+            at_steps[index] = _contact_at(result, contact, index, modulus.after(step.fraction))
     return ProfileHistory(
         contact.label, stage, np.hypot(moved[:, 0], moved[:, 1]), moved[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),

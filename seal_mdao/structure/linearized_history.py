@@ -146,7 +146,7 @@ class LinearizedHistory(LinearizedBody):
         super().rates(design, history, prescribed, load)
         stress = self.stress_rates(design, history)
         stress *= self.weights
-        stress = stress.reshape(-1, *stress.shape[2:])
+        stress = stress.reshape(np.prod(stress.shape[:2]), *stress.shape[2:])
         add_gradient_loads(self.term.cells.table, stress, self.layout.equations, load)
         return HistoryRates(self, design, prescribed, None, history, stress)
 
@@ -168,7 +168,7 @@ class LinearizedHistory(LinearizedBody):
     def seeds(self, history_bar, taken=None) -> HistorySeeds:
         on_law = self.law_seeds(history_bar)
         on_gradient = self.gradient_seeds(on_law)
-        on_gradient = on_gradient.reshape(-1, *on_gradient.shape[2:])
+        on_gradient = on_gradient.reshape(np.prod(on_gradient.shape[:2]), *on_gradient.shape[2:])
         return HistorySeeds(history_bar, taken, on_law, on_gradient)
 
     def history_loads(self, seeds: HistorySeeds) -> np.ndarray | None:

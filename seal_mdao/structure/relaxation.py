@@ -137,14 +137,8 @@ class Relaxation:
         self.n_terms = max(len(r.prony.g) for r in definition.regions if r.prony is not None)
 
     def _step(self, before: float, fraction: float):
-        """Duration of a step, s, and the temperature in its middle."""
-        times = self.environment.time.at([before, fraction])
-        temperature = self.environment.temperature
-        # the mean of both ends; any number where no material has a shift
-        middle = np.zeros(1)
-        if temperature is not None:
-            middle = np.mean(temperature.at([before, fraction]), keepdims=True)
-        return np.diff(times), middle
+        """Duration of a step, s, and the temperature in its middle, shape (1,) each."""
+        return _steps(self.environment, np.array([before, fraction]))
 
     def of_region(self, region, before: float, fraction: float) -> StepCoefficients | None:
         """Coefficients of one region in a step; None where it does not relax."""
@@ -248,6 +242,46 @@ class Relaxation:
 def _factors(responses) -> np.ndarray:
     """Factors k of the law at K steps, (K, n_columns, q)."""
     return np.array([own.coefficients.factor for own in responses])
+
+
+def _steps(environment, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Durations of the steps between path parameters (K + 1,), s, and temperatures in their middle."""
+    duration, temperature = np.diff(environment.time.at(ends)), environment.temperature
+    if temperature is None:
+        # any number, as no material has a shift
+        return duration, np.zeros(len(duration))
+    return duration, _middle(temperature.at(ends))
+
+
+def _middle(at_ends: np.ndarray) -> np.ndarray:
+    """Means of neighbouring values (K + 1,), shape (K,)."""
+    return 0.5 * (at_ends[:-1] + at_ends[1:])
+
+
+def relaxed_modulus(region, environment, ends: np.ndarray) -> tuple[float, dict[str, float]]:
+    """Compute G(t) / G of the law of a region that relaxes, for a strain that is kept since the start.
+
+    Parameters
+    ----------
+    region : Region
+    environment : Environment
+    ends : ndarray, shape (K + 1,)
+        Path parameters at the start and after every load step up to the time t.
+
+    Returns
+    -------
+    float
+    dict of str to float
+        Its derivatives by the names of the parameters.
+    """
+    factor, by_name = region.prony.relaxed(*_steps(environment, ends))
+    by_time, by_heat = by_name.pop("duration"), by_name.pop("temperature", None)
+    found = {region.prefix + name: own for name, own in by_name.items()}
+    for name, rates in environment.time_rates(ends).items():
+        found[name] = float(by_time @ np.diff(rates))
+    if by_heat is not None and environment.temperature is not None:
+        found[TEMPERATURE] = float(by_heat @ _middle(environment.temperature.rates(ends)))
+    return factor, found
 
 
 def _times(own: StepCoefficients, rate) -> StepCoefficients:

@@ -47,6 +47,32 @@ def test_rates_of_coefficients(shift, instantaneous):
             np.testing.assert_allclose(part, (one - other) / (2 * step), rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.parametrize("instantaneous", [False, True])
+@pytest.mark.parametrize("shift", SHIFTS.values(), ids=SHIFTS)
+def test_relaxation_function_and_its_rates(shift, instantaneous):
+    own, step = series(shift, instantaneous), 1e-6
+    value, rates = own.relaxed(DURATION, TEMPERATURE)
+    # one strain at the start and steps without change: Q_i+ = a_i Q_i, with Q_i = beta_i S
+    keep = own.step(DURATION, TEMPERATURE).keep.prod(axis=1)
+    scale = 1.0 if instantaneous else 2.0
+    assert value == pytest.approx(scale * (0.5 + np.array([0.3, 0.2]) @ keep), rel=1e-14)
+    given = own.constants | {"duration": DURATION, "temperature": TEMPERATURE}
+    assert set(rates) == set(given) - ({"temperature"} if shift is None else set())
+
+    def at(name, change):
+        if name == "duration":
+            return own.relaxed(DURATION + change, TEMPERATURE)[0]
+        if name == "temperature":
+            return own.relaxed(DURATION, TEMPERATURE + change)[0]
+        return own.with_(**{name: own.constants[name] + change}).relaxed(DURATION, TEMPERATURE)[0]
+
+    for name, found in rates.items():
+        # of arrays that of each entry
+        units = np.eye(2) if name in {"duration", "temperature"} else [1.0]
+        slopes = [(at(name, step * u) - at(name, -step * u)) / (2 * step) for u in units]
+        np.testing.assert_allclose(np.ravel(found), np.ravel(slopes), rtol=1e-7, atol=1e-9)
+
+
 def test_coefficients_of_long_and_short_steps():
     own = series(None, False)
     nothing, for_ever = (
