@@ -40,7 +40,8 @@ class ToleranceStudy:
     design : dict of str to float, optional
         Scalar parameters of the design that differ from those of the seal.
     label : str
-        Identifies the seal; a file is continued by studies of the same label only.
+        Identifies a seal without ``settings``; a file is continued by studies of the same label and
+        the same seal only.
     """
 
     seal: Seal
@@ -102,7 +103,8 @@ class ToleranceStudy:
         design = json.dumps([self.boundary.tolist(), self.nominal])
         varied = [[asdict(t.variation), repr(t.distribution)] for t in self.tolerances.scattered]
         return {
-            "seal": self.label or self.seal.settings(),
+            # a drawing or a cloud beside the seal file is part of the settings only
+            "seal": self.label + self.seal.settings(),
             "design": sha256(design.encode()).hexdigest(),
             "tolerances": json.dumps([varied, repr(self.tolerances.boundary)]),
             "measures": json.dumps(self.outputs),

@@ -107,3 +107,12 @@ def test_errors_of_a_boundary_need_edges_that_may_move(tmp_path):
 def test_editors_know_the_table():
     properties = json_schema()["properties"]
     assert "tolerance" in properties
+
+
+def test_numbers_of_a_measure_may_vary(tmp_path):
+    """They are parameters of the seal, of the table [tolerance] as of a separate file."""
+    leak = '\n[[measure]]\ntype = "leak_rate"\nrms_roughness = 5.0\nroll_off_wavelength = 500.0\n'
+    leak += "shortest_wavelength = 1.0\npressure = 10.0\n"
+    vary = VARY.replace("door_y", "leak_rate_viscosity").replace("mean = 0.0", "mean = 1.0")
+    seal = unchosen_seal(sm.read_seal_file(with_tolerance(tmp_path, leak + vary)))
+    assert seal.scalars["leak_rate_viscosity"].value == pytest.approx(1.0, abs=0.1)

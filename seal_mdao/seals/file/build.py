@@ -71,10 +71,11 @@ def unchosen_seal(file: SealFile) -> OutlineSeal:
     if any(own.interference for own in file.profiles):
         seal = with_clear_starts(seal, seal.nominal_particles)
     _check_places(file, seal)
+    seal = replace(seal, standard=tuple(_measures(file, seal)))
     if file.tolerance is not None:
-        # placements of profiles are parameters that may vary
+        # placements of profiles and numbers of measures are parameters that may vary
         file.tolerance.check(f"{file.path}: [tolerance.", seal.with_placements())
-    return replace(seal, standard=tuple(_measures(file, seal)))
+    return seal
 
 
 def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> OutlineSeal:
