@@ -21,7 +21,10 @@ def mean(values: np.ndarray):
 def deviation(values: np.ndarray):
     """Compute the sample standard deviation (S - 1), zero for a single scenario; derivative zero where
     all values are equal."""
-    difference = values - values.mean(axis=0)
+    # v - mean from d = v - v_1, so that equal values have exactly the deviation zero, and the rounding of
+    # the mean is no part of the derivatives
+    away = values - values[0]
+    difference = away - away.mean(axis=0)
     # s^2 = sum (v - mean)^2 / (S - 1),  ds/dv = (v - mean) / ((S - 1) s)
     freedom = max(len(values) - 1, 1)
     size = np.sqrt((difference * difference).sum(axis=0) / freedom)

@@ -90,3 +90,19 @@ def test_a_single_scenario_is_its_own_mean_and_has_no_deviation(name):
     spread = name == "deviation"
     assert value.tolist() == ([0.0, 0.0] if spread else [3.0, -2.0])
     np.testing.assert_allclose(gradient, 0.0 if spread else 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("last", [0.0, 2.0**-52])
+def test_equal_values_have_no_deviation(name, last):
+    """Also where their mean is rounded, and where one value differs in its last digit."""
+    column = np.full((3, 1), 0.1)
+    assert column.mean() != 0.1
+    column[2] += last * 0.1
+    value, gradient = FUNCTIONS[name](column)
+    # a change of all values by the same amount changes location by this amount and no deviation
+    assert gradient.sum() == pytest.approx(0.0 if name == "deviation" else 1.0, abs=1e-14)
+    assert np.abs(value - (0.0 if name == "deviation" else 0.1)).item() <= 1e-16
+    if last == 0.0 and name == "deviation":
+        assert value.item() == 0.0
+        np.testing.assert_array_equal(gradient, 0.0)
