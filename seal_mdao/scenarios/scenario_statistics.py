@@ -21,8 +21,8 @@ def mean(values: np.ndarray):
 def deviation(values: np.ndarray):
     """Compute the sample standard deviation (S - 1), zero for a single scenario; derivative zero where
     all values are equal."""
-    # v - mean from d = v - v_1, so that equal values have exactly the deviation zero, and the rounding of
-    # the mean is no part of the derivatives
+    # v - mean from d = v - v_1, so that equal values have exactly the deviation zero, and derivatives
+    # do not contain the rounding of the mean
     away = values - values[0]
     difference = away - away.mean(axis=0)
     # s^2 = sum (v - mean)^2 / (S - 1),  ds/dv = (v - mean) / ((S - 1) s)
