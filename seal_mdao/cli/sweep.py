@@ -257,6 +257,12 @@ class _Vary(argparse.Action):
     """Parse NAME VALUES to a pair."""
 
     def __call__(self, made, namespace, given, option=None):
+        # a pair from an earlier --vary
+        if isinstance(getattr(namespace, self.dest), tuple):
+            made.error(
+                f"argument {option}: given twice, but a sweep varies one quantity; run one sweep for "
+                "each value of the other"
+            )
         try:
             # both parts are checked here, since nargs=2 allows one type only
             setattr(namespace, self.dest, (given[0], vary(given[1])))

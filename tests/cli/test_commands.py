@@ -98,6 +98,14 @@ def test_an_unknown_option_of_any_command_is_one_line_with_status_two(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_sweep_of_two_quantities_is_refused(bulb, tmp_path, capsys):
+    two = ["--vary", "c10", "60,80", "--vary", "friction", "0.1,0.2"]
+    with pytest.raises(SystemExit) as ended:
+        main(["sweep", str(bulb), *two, "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    assert "a sweep varies one quantity" in capsys.readouterr().err
+
+
 def test_a_misspelt_command_is_named(capsys):
     with pytest.raises(SystemExit) as ended:
         main(["anlyze", "bulb.toml"])
