@@ -127,6 +127,7 @@ def summarize(study: ToleranceStudy, sampled: Sampled, estimate) -> dict:
         found[name] = {
             "unit": study.units[m],
             "middle": estimate.values[m],
+            "infinite_samples": int(np.isinf(values[:, m]).sum()),
             "sampled": own,
             "first_order": line | {"std_from_gradient": estimate.std[m]},
             "difference": {key: line[key] - own[key] for key in own},
@@ -193,10 +194,15 @@ def statistics_text(found: dict) -> str:
     """Describe a measure: sampled and first-order statistics, or its value where nothing varies it."""
     own, line = found["sampled"], found["first_order"]
     unit = found["unit"] or ""
-    if max(own["std"], line["std"]) <= CONSTANT * abs(own["mean"]):
+    # a leak rate without contact
+    infinite = found["infinite_samples"]
+    if np.isinf(own["lowest"]):
+        return "infinite in all samples (no contact)"
+    if not infinite and max(own["std"], line["std"]) <= CONSTANT * abs(own["mean"]):
         return f"{own['mean']:.4g} {unit} in all samples".replace("  ", " ")
+    some = f"infinite in {infinite} samples (no contact): " if infinite else ""
     return (
-        f"mean {own['mean']:.4g}, std {own['std']:.3g}, 5 to 95 % {own['q05']:.4g} to "
+        f"{some}mean {own['mean']:.4g}, std {own['std']:.3g}, 5 to 95 % {own['q05']:.4g} to "
         f"{own['q95']:.4g} {unit}; first order: mean {line['mean']:.4g}, std "
         f"{line['std']:.3g}, 5 to 95 % {line['q05']:.4g} to {line['q95']:.4g}"
     )

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from seal_mdao.plotting.style import BLUE, GREY, VERMILION, panels, signed, styled, subplots
+from seal_mdao.tolerances.statistics import quantiles
 
 BINS, FEWEST = 30, 5
 """Most and fewest bins of a histogram: the root of the number of samples lies between them."""
@@ -44,17 +45,22 @@ def distributions(values, names, units, linear=None) -> Figure:
     size = lambda rows, columns: (3.4 * columns, 2.7 * rows + 0.4)  # noqa: E731
     figure, panel = panels(values.shape[1], 3, size)
     for number, axes in enumerate(panel):
-        own = values[:, number]
+        own, infinite = values[:, number], int(np.isinf(values[:, number]).sum())
+        # median and 95 % quantile of all samples; not drawn where they are infinite
+        lines = [level if np.isfinite(level) else np.nan for level in quantiles(own, (0.5, 0.95))]
+        estimate = own[:0] if linear is None else linear[:, number]
+        own, estimate = own[np.isfinite(own)], estimate[np.isfinite(estimate)]
         # bins common to both histograms, so that their heights compare
-        both = own if linear is None else np.concatenate([own, linear[:, number]])
+        both = np.concatenate([own, estimate]) if own.size or estimate.size else np.zeros(1)
         edges = _bin_edges(own, both)
         axes.hist(own, edges, color=BLUE, alpha=0.55, label="sampled")
         if linear is not None:
             outlined = {"histtype": "step", "color": VERMILION, "linewidth": 1.4}
-            axes.hist(linear[:, number], edges, label="first order", **outlined)
-        for level, style in ((0.5, "-"), (0.95, "--")):
-            axes.axvline(np.quantile(own, level), color=GREY, linestyle=style, linewidth=1.1)
-        axes.set_xlabel(_labelled(names[number], units[number]))
+            axes.hist(estimate, edges, label="first order", **outlined)
+        for line, style in zip(lines, ("-", "--"), strict=True):
+            axes.axvline(line, color=GREY, linestyle=style, linewidth=1.1)
+        left_out = f", infinite in {infinite}" if infinite else ""
+        axes.set_xlabel(_labelled(names[number], units[number]) + left_out)
         axes.locator_params(axis="x", nbins=5)
         if axes.get_subplotspec().is_first_col():
             axes.set_ylabel("samples")

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.tolerances.statistics import CONFIDENCE, Fraction, described, fraction
+from seal_mdao.tolerances.statistics import CONFIDENCE, Fraction, described, fraction, quantiles
 
 
 class SampledLimit(NamedTuple):
@@ -82,7 +82,7 @@ class SampledDesign:
         if limit.band is None or numbers is None or self.meets(limit):
             return None
         # between the quantiles (1 - f)/2 and (1 + f)/2
-        low, high = np.quantile(numbers, [0.5 - 0.5 * limit.required, 0.5 + 0.5 * limit.required])
+        low, high = quantiles(numbers, [0.5 - 0.5 * limit.required, 0.5 + 0.5 * limit.required])
         return high - low if high - low > limit.band else None
 
     def in_words(self, limit: SampledLimit) -> str:

@@ -11,16 +11,33 @@ LEVELS = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
 def described(values: np.ndarray) -> dict:
-    """Compute mean, standard deviation, extremes and quantiles of one measure's samples (S,)."""
+    """Compute mean, standard deviation, extremes and quantiles of one measure's samples (S,).
+
+    A leak rate is infinite without contact: mean and standard deviation are infinite then, quantiles
+    only as far as they are among the infinite samples.
+    """
+    infinite = np.isinf(values).any()
     # the sample standard deviation, with S - 1
+    std = values.std(ddof=1) if len(values) > 1 and not infinite else 0.0
     found = {
         "mean": values.mean(),
-        "std": values.std(ddof=1) if len(values) > 1 else 0.0,
+        "std": np.inf if infinite else std,
         "lowest": values.min(),
         "highest": values.max(),
     }
-    quantiles = np.quantile(values, LEVELS)
-    return found | {level_name(p): q for p, q in zip(LEVELS, quantiles, strict=True)}
+    return found | {
+        level_name(p): q for p, q in zip(LEVELS, quantiles(values, LEVELS), strict=True)
+    }
+
+
+def quantiles(values: np.ndarray, levels) -> np.ndarray:
+    """Compute quantiles of samples (S,), some of which may be infinite, linearly between the samples."""
+    finite = np.isfinite(values)
+    # any finite number in place of infinity, as infinity minus infinity is not a number
+    replaced = np.where(finite, values, values[finite].max(initial=0.0))
+    # above the last finite sample a quantile is infinite
+    above = np.quantile(values, levels, method="higher")
+    return np.where(np.isinf(above), above, np.quantile(replaced, levels))
 
 
 class Fraction(NamedTuple):

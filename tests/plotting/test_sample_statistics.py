@@ -45,3 +45,16 @@ def test_a_constant_quantity_is_one_bar_in_the_middle(value):
     assert high - low == pytest.approx(0.2 * abs(value) or 1.0, rel=0.15)
     axes.figure.canvas.draw()
     assert axes.xaxis.get_offset_text().get_text() == ""
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("count", [2, 5])
+def test_infinite_samples_are_counted_beside_the_others(count):
+    """Such as the leak rate of a seal without contact, in all or in some of the samples."""
+    values = np.full(5, np.inf)
+    values[: 5 - count] = np.arange(5.0 - count)
+    figure = distributions(values[:, None], ["leak_rate"], [None], np.ones((5, 1)))
+    (axes,) = figure.axes
+    sampled = axes.containers[0]
+    assert sum(own.get_height() for own in sampled) == 5 - count
+    assert axes.get_xlabel() == f"leak rate, infinite in {count}"
