@@ -15,7 +15,10 @@ from seal_mdao.scenarios.variation import Scenarios
 class Evaluated(NamedTuple):
     """Results of S scenarios, in their order: values (S, M) of all measures, NaN in failed rows,
     gradients (S, M, P + N) in offsets and parameters of the design, zero in failed rows, or None,
-    reasons of failures, empty for successes, and the faults that make results not trustworthy."""
+    reasons of failures, empty for successes, and the faults that make results not trustworthy.
+
+    Scenarios with infinite values, whose statistics are undefined, belong to the failed ones.
+    """
 
     values: np.ndarray
     gradients: np.ndarray | None
@@ -52,7 +55,7 @@ def evaluate(
         if callback is not None:
             callback(number, outcome)
     # workers finish in any order; sums over scenarios must not depend on it
-    ordered = [outcomes[number] for number in range(len(scenarios))]
+    ordered = [_finite(task, outcomes[number]) for number in range(len(scenarios))]
     gradients = None
     if task.derivatives:
         # by the parameters of the design, not of the scenario
@@ -78,6 +81,18 @@ def points_of(scenarios: Scenarios, offsets: np.ndarray, design: dict) -> list[P
         )
         for number in range(len(scenarios))
     ]
+
+
+def _finite(task: SealTask, outcome: Outcome) -> Outcome:
+    """Return the outcome, as a failed one if a value is infinite: statistics of it are undefined."""
+    # NaN in failed outcomes
+    infinite = np.isinf(outcome.values)
+    if not infinite.any():
+        return outcome
+    names = [name for name, own in task.by_measure(infinite).items() if own.any()]
+    failure = f"the seal has lost contact, so that {', '.join(names)} is infinite"
+    unknown = np.full(task.count, np.nan)
+    return outcome._replace(values=unknown, gradient=None, failure=failure)
 
 
 def _design_gradient(task, scenarios, number, design, outcome, n_offsets) -> np.ndarray:

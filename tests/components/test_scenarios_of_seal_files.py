@@ -78,3 +78,37 @@ def test_input_that_every_scenario_replaces_is_refused(lid):
                 made.setup()
         else:
             made.setup()
+
+
+LEAK = """\
+[[measure]]
+type = "leak_rate"
+rms_roughness = 150.0
+roll_off_wavelength = 500.0
+shortest_wavelength = 10.0
+pressure = 30.0
+"""
+
+
+@pytest.mark.filterwarnings("error")
+def test_scenario_without_contact_counts_as_failed_for_a_leak_rate(tmp_path):
+    """Its leak rate is infinite, so that mean and deviation would be undefined."""
+    seal = seal_of(tmp_path, FIXED, DESIGN, LID, LEAK, spacing=1.3)
+    own = {
+        "variations": (sm.Variation("lid_y", "shift"),), "numbers": [[0.0], [5.0], [-0.1]],
+        "parameters": (), "measures": ("leak_rate", "reaction"),
+    }  # fmt: skip
+    with pytest.raises(
+        om.AnalysisError, match=r"scenario 2 of 3 .*: the seal has lost contact, so "
+    ):
+        ran(seal, **own)
+    found = ran(seal, failed="leave_out", **own)
+    rows = found.get_val("seal.leak_rate_scenarios")
+    assert np.isnan(rows[1]).all()
+    left = rows[[0, 2], 0]
+    assert found.get_val("seal.leak_rate_mean").item() == pytest.approx(left.mean(), rel=1e-14)
+    assert found.get_val("seal.share_failed").item() == pytest.approx(1.0 / 3.0, rel=1e-15)
+    totals = found.compute_totals(["seal.leak_rate_std"], ["seal.boundary_offsets"])
+    assert np.isfinite([*totals.values()]).all()
+    # without the leak rate the scenario is one of three
+    assert np.isfinite(ran(seal, **own | {"measures": ("reaction",)}).get_val("seal.reaction_std"))
