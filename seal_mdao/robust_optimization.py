@@ -74,6 +74,11 @@ class RobustGoal:
         seal : Seal
         count, seed : int
             As of ``Tolerances.samples``.
+
+        Raises
+        ------
+        ValueError
+            For scenarios that are so wide that a parameter has a value that it cannot have.
         """
         made, middle = tolerances.samples(seal, count, seed=seed), tolerances.means
         # m + widen (x - m) around the means m
@@ -81,7 +86,22 @@ class RobustGoal:
         # the nominal seal is the first scenario
         drawing = nominal_numbers(tolerances.variations, seal)
         offsets = np.vstack([np.zeros(seal.n_offsets), self.widen * made.offsets])
-        return Scenarios(tolerances.variations, np.vstack([drawing, numbers]), offsets)
+        found = Scenarios(tolerances.variations, np.vstack([drawing, numbers]), offsets)
+        self._require_admissible(found, seal)
+        return found
+
+    def _require_admissible(self, scenarios: Scenarios, seal: Seal) -> None:
+        """Raise ValueError for a scenario with a value that a parameter cannot have."""
+        nominal = {name: float(seal.scalars[name].value) for name in scenarios.parameters}
+        for number in range(len(scenarios)):
+            try:
+                seal.with_parameters(scenarios.values(number, nominal))
+            except ValueError as error:
+                raise ValueError(
+                    f"{scenarios.described(number)}: {error}; the scenarios are {self.widen:g} times "
+                    "as far from the means as samples of the tolerances (widen): use a smaller "
+                    "factor, at least 1, or smaller tolerances"
+                ) from error
 
 
 def nominal_numbers(variations: tuple, seal: Seal) -> np.ndarray:

@@ -5,6 +5,7 @@ import pytest
 from scipy.special import ndtr
 
 import seal_mdao as sm
+from seal_mdao.distributions import Uniform
 from seal_mdao.door_optimization import PRESSURE_SHARE, STRESS_SHARE, robust_door_task
 from seal_mdao.optimization import (
     DRAWING,
@@ -19,6 +20,7 @@ from seal_mdao.scenarios.variation import Variation
 from seal_mdao.seals.profiles import leading_motion
 from seal_mdao.tolerances.file import OF_THE_DOOR, read_tolerances
 from seal_mdao.tolerances.placement import with_clearance
+from seal_mdao.tolerances.tolerance_set import Tolerance, Tolerances
 
 COST = "gap_square_integral"
 DRAWN = {"friction": 0.25, "hardness": 1.0, "depth": 0.0}
@@ -46,6 +48,14 @@ def test_scenarios_are_the_drawing_and_wide_ones(seal, tolerances):
     np.testing.assert_allclose(made.offsets[1:], 1.5 * narrow.offsets, rtol=1e-14)
     away = made.numbers[1:] - tolerances.means
     np.testing.assert_allclose(away, 1.5 * (narrow.numbers - tolerances.means), atol=1e-14)
+
+
+def test_scenarios_that_are_too_wide_are_refused_before_anything_is_analysed(seal):
+    """Friction from 0.05 to 0.4 becomes negative at 1.5 times the distance from 0.225."""
+    friction = Tolerances((Tolerance(Variation("friction"), Uniform(0.05, 0.4)),))
+    with pytest.raises(ValueError, match=r"scenario \d+ of 17 \(friction = -0.* 1.5 times as far"):
+        RobustGoal(widen=1.5).scenarios(friction, seal, 16, 0)
+    assert len(RobustGoal(widen=1.0).scenarios(friction, seal, 16, 0)) == 17
 
 
 def test_levels_are_those_of_the_narrow_distribution():
