@@ -268,6 +268,10 @@ class Derived(Measure):
     def between_steps(self, result):
         return self.base.between_steps(result)
 
+    def missing(self, result):
+        text = self.base.missing(result)
+        return text and f"{self.name}: {text}"
+
     @property
     def at_end(self):
         return self.base.at_end

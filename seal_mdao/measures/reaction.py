@@ -22,7 +22,8 @@ class Reaction(Measure):
 
     The force on a profile includes that of edges that are bonded to it.
 
-    Between load steps the force is interpolated linearly; the derivatives are those of the interpolated
+    A force at a time beyond the end of the path is not a number. Between load steps the force is
+    interpolated linearly; the derivatives are those of the interpolated
     value, also where a parameter of the motion, or a duration, changes when a travel or a time is
     reached.
 
@@ -128,7 +129,7 @@ class Reaction(Measure):
 
     def between_steps(self, result):
         points = self._points(result, self.motion(result))
-        fractions = np.array([point.fraction for point in points])
+        fractions = np.array([point.fraction for point in points if point is not None])
         return fractions[np.abs(fractions - np.round(fractions)) > ROUNDING]
 
     @property
@@ -145,32 +146,48 @@ class Reaction(Measure):
 
     def check(self, seal):
         if self.times is not None:
-            total = stage_times(seal.terms()[0], self.name).total
-            if max(self.times) > total * (1.0 + ROUNDING):
+            times = stage_times(seal.terms()[0], self.name)
+            if _is_beyond(max(self.times), times):
                 raise ValueError(
                     f"time = {max(self.times):g} s is beyond the end of the analysis at "
-                    f"{total:.6g} s; give an earlier time or a longer duration"
+                    f"{times.total:.6g} s; give an earlier time or a longer duration"
                 )
+
+    def missing(self, result):
+        if self.times is None:
+            return ""
+        times = stage_times(result.term("structure").definition, self.name)
+        if not _is_beyond(max(self.times), times):
+            return ""
+        return (
+            f"the measure {self.name} has no value at {max(self.times):g} s, because the path ends at "
+            f"{times.total:.6g} s; give an earlier time or longer durations"
+        )
 
     def evaluate(self, result, partials):
         motion = self.motion(result)
         parts = [
-            self._interpolated(result, partials, row * self._rows, motion, point)
+            np.full(self._rows, np.nan)
+            if point is None
+            else self._interpolated(result, partials, row * self._rows, motion, point)
             for row, point in enumerate(self._points(result, motion))
         ]
         return np.concatenate(parts)
 
-    def _points(self, result, motion) -> list["PathPoint"]:
-        """List the points of the path at which the force is taken."""
+    def _points(self, result, motion) -> list["PathPoint | None"]:
+        """List the points of the path at which the force is taken; None for times beyond its end."""
         none = np.zeros(len(motion.names))
         if self.times is not None:
             body = result.term("structure").definition
             times = stage_times(body, self.name)
-            found = [times.fraction_at(min(time, times.total)) for time in self.times]
+            found = [
+                None if _is_beyond(time, times) else times.fraction_at(min(time, times.total))
+                for time in self.times
+            ]
             # travel at the fraction: linear between nominal steps
             steps = np.arange(len(motion.travels))
             return [
-                PathPoint(
+                None if fraction is None else PathPoint(
                     float(np.interp(fraction, steps, motion.travels)), fraction, none,
                     _fraction_rates(body.environment, fraction),
                 )
@@ -348,6 +365,11 @@ def stage_times(body, name: str):
             "relaxes; use travel or stage instead"
         )
     return environment.time
+
+
+def _is_beyond(time: float, times) -> bool:
+    """Return whether a time is later than the end of the path, by more than rounding."""
+    return time > times.total * (1.0 + ROUNDING)
 
 
 def _fraction_rates(environment, fraction: float) -> tuple:

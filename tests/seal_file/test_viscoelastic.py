@@ -451,6 +451,22 @@ def test_measures_beyond_the_path_are_refused(tmp_path, measure, words):
         sm.build_seal(read(tmp_path, given))
 
 
+def test_forces_later_than_a_shorter_path_are_not_numbers(timed):
+    """At 900 and 1001 s of a path whose dwell was shortened to 100 s, and the ratio at 300 s."""
+    result = sm.analyze(timed.seal, parameters={"duration_2": 100.0})
+    found = result.value("at_times")
+    np.testing.assert_array_equal(np.isnan(found), [False, False, False, True, True])
+    assert np.isnan(result.value("retained_in_time")).all()
+    # 30 s is in the dwell, with other load steps
+    assert found[2] == pytest.approx(timed.value("at_times")[2], rel=0.02)
+    told = [text for text in result.warnings if "because the path ends at 102.5 s" in text]
+    assert told[0].startswith("the measure at_times has no value at 1001 s")
+    assert told[1].startswith("retained_in_time: ")
+    with pytest.raises(sm.LoadPathError, match="at_times, retained_in_time cannot be evaluated"):
+        result.admissible_values(result.measures(None))
+    assert not any("no value" in text for text in timed.warnings)
+
+
 def test_a_time_needs_a_material_that_relaxes(tmp_path):
     given = text(FIXED, LID, "[[measure]]\ntype = 'reaction'\nname = 'late'\ntime = 1.0\n")
     with pytest.raises(sm.SealFileError, match="needs a viscoelastic material"):
