@@ -163,7 +163,15 @@ def estimate_errors(
 class ComparedPaths:
     """Load paths with few load steps that are compared with each other and with that of a result.
 
-    Parameters are those of ``estimate_errors``.
+    Parameters
+    ----------
+    file, result, callback
+        As of ``estimate_errors``.
+    choices : sequence of ndarray, optional
+        Ends of the load steps, as ``some_ends`` returns them, tried in this order until both paths are
+        complete; by default about ``FEW`` load steps, then ``MORE`` times as many.
+    most_cuts : int, optional
+        How often a load step may be halved.
 
     Attributes
     ----------
@@ -179,11 +187,15 @@ class ComparedPaths:
         Why a path is missing.
     """
 
-    def __init__(self, file: SealFile, result: SealResult, callback: Callable | None):
+    def __init__(
+        self, file: SealFile, result: SealResult, callback: Callable | None, choices=None,
+        most_cuts: int = MOST_CUTS,
+    ):  # fmt: skip
         self.result, self.callback, self.number = result, callback, 0
+        self._most_cuts = most_cuts
         self.coarse = self.fine = self.kept = None
         self.failure = ""
-        seal, fewest = result.seal, min(FEW, result.seal.n_steps // 2)
+        seal = result.seal
         try:
             finer, self.kept, parents = refined_file(file, seal)
             fine_seal = alike(unchosen_seal(finer), seal)
@@ -201,8 +213,7 @@ class ComparedPaths:
         if file.step_tolerance is not None:
             # steps of the seal were chosen: their ends in steps of the file
             given = np.array(chosen_ends(seal))
-        for count in (fewest, MORE * fewest):
-            ends = some_ends(seal, count)
+        for ends in few_ends(seal) if choices is None else choices:
             self.ends = given[ends.astype(int) - 1]
             own, other = seal.with_ends(ends), fine_seal.with_ends(self.ends)
             if self._solve(own, other, ends, fine, parents):
@@ -246,7 +257,7 @@ class ComparedPaths:
             report(self.number, max(2, self.number), seal.n_steps)
         # where iterations fail beside a known solution, long searches for another one are of no use
         newton = replace(
-            seal.newton, tolerance=max(seal.newton.tolerance, TOLERANCE), max_cuts=MOST_CUTS,
+            seal.newton, tolerance=max(seal.newton.tolerance, TOLERANCE), max_cuts=self._most_cuts,
             damped_iterations=0,
         )  # fmt: skip
         return analyze_particles(
@@ -282,6 +293,12 @@ def some_ends(seal: Seal, count: int) -> np.ndarray:
     stages = [np.cumsum(motion.steps) for motion in motions(seal)]
     ends = np.unique(np.concatenate([*stages, np.arange(seal.n_steps, 0, -every)]))
     return ends[ends > 0].astype(float)
+
+
+def few_ends(seal: Seal) -> list[np.ndarray]:
+    """Select about ``FEW`` of the load steps, at most half; then ``MORE`` times as many."""
+    fewest = min(FEW, seal.n_steps // 2)
+    return [some_ends(seal, fewest), some_ends(seal, MORE * fewest)]
 
 
 def alike(fine: Seal, seal: Seal) -> Seal:

@@ -12,6 +12,7 @@ import numpy as np
 import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.accuracy.error_estimate import estimate_errors
+from seal_mdao.accuracy.force_error import force_error
 from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import (
     NAME_OF_FILE,
@@ -88,6 +89,10 @@ def main(arguments) -> int:
         write_summary(arguments.out, summary)
         print_errors(estimates, result)
         plotting.save(plotting.error_parts(estimates), arguments.out / "errors.png")
+    elif file.section.default_spacing and result.converged:
+        # nobody has chosen these particles: print the size of the error
+        report_force_error(file, result, summary)
+        write_summary(arguments.out, summary)
     # figures need at least one converged load step
     if len(result.path.nominal_steps):
         write_curves(result, arguments.out)
@@ -145,6 +150,24 @@ def errors_of(file, result: SealResult) -> dict:
     """Estimate the errors of all measures, with progress."""
     with LoadStepProgress(None, "error estimate") as progress:
         return estimate_errors(file, result, progress)
+
+
+def report_force_error(file, result: SealResult, summary: dict) -> None:
+    """Print the estimated error of the forces due to the particle spacing, and add it to the summary; a
+    large one is a warning."""
+    with LoadStepProgress(None, "error of the forces") as progress:
+        found = force_error(file, result, progress)
+    summary["force_error_by_spacing"] = found.relative
+    if found.warning:
+        summary["warnings"] = (*summary["warnings"], found.warning)
+        print(f"WARNING: {found.warning}")
+    elif found.relative is None:
+        print(f"error of the forces due to the particle spacing: not estimated ({found.unknown})")
+    else:
+        print(
+            "estimated error of the forces due to the particle spacing: "
+            f"{100.0 * found.relative:.2g} %"
+        )
 
 
 def summarize(result: SealResult) -> dict:

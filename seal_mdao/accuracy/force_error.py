@@ -1,0 +1,113 @@
+"""Estimate the error of the forces due to the particle spacing, in the time of one analysis or less.
+
+    e = 4/3 max |F_h - F_(h/2)| / max |F_(h/2)|
+
+for the force F on every profile, or on moved edges, h the particle spacing. As in ``error_estimate``,
+F_(h/2) is the force on a cloud with all cells divided into four, and both paths have the same load
+steps, whose error drops out of the difference. The first pair of paths has load steps only to the ends
+of the stages and to the largest forces; where iterations fail, or the path leaves that of the result,
+as where a profile passes a lip in one step, a second pair has about ``FEW`` more.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from seal_mdao.accuracy.error_estimate import ORDER, ComparedPaths, few_ends, some_ends
+from seal_mdao.seals.file.file_tables import SealFile
+from seal_mdao.seals.profiles import moving_parts
+from seal_mdao.seals.refined_steps import force_difference
+from seal_mdao.seals.result import SealResult
+
+LARGEST = 0.025
+"""Relative error of a force above which there is a warning."""
+WANTED = 0.02
+"""Relative error that the recommended spacing has."""
+MARGIN = 0.9
+"""Factor on the spacing that the order of the error gives."""
+APART = 0.25
+"""Largest relative difference of the forces in few load steps and those of the result; a path that
+misses a contact is farther away."""
+
+
+class ForceError(NamedTuple):
+    """Estimated error of the forces due to the particle spacing.
+
+    Attributes
+    ----------
+    relative : float or None
+        Over the largest force on the same profile; None where it is not known.
+    unknown : str
+        Why it is not known; empty where it is.
+    filling : tuple of (float, int)
+        Spacing (mm) and layers with which the error is about ``WANTED``; where it is above ``LARGEST``.
+    """
+
+    relative: float | None
+    unknown: str = ""
+    filling: tuple[float, int] | None = None
+
+    @property
+    def warning(self) -> str:
+        """Warning about an error above ``LARGEST``, with a remedy; empty for a smaller one."""
+        if self.filling is None:
+            return ""
+        spacing, layers = self.filling
+        return (
+            "the estimated error of the forces due to the particle spacing is "
+            f"{100.0 * self.relative:.2g} %; for about {100.0 * WANTED:g} % use spacing = "
+            f"{spacing:g} and layers = {layers} in [section]"
+        )
+
+
+def force_error(file: SealFile, result: SealResult, callback: Callable | None = None) -> ForceError:
+    """Estimate the error of the forces on the profiles of a seal due to the particle spacing.
+
+    Parameters
+    ----------
+    file, result, callback
+        As of ``error_estimate.estimate_errors``; the file gives a spacing, or leaves it to its default.
+
+    Raises
+    ------
+    LoadPathError
+        For a path that was not completed.
+    """
+    result.require_converged()
+    if not moving_parts(result.seal):
+        return ForceError(None, "the seal has neither profiles nor moved edges")
+    first, unknown = _compared_ends(result), ""
+    for ends in (first, np.union1d(first, few_ends(result.seal)[0])):
+        paths = ComparedPaths(file, result, callback, [ends], most_cuts=0)
+        if paths.fine is None:
+            unknown = paths.failure
+            continue
+        # forces in few load steps against those of the result at the same loads
+        if force_difference(paths.coarse, result, ends.astype(int) - 1) > APART:
+            unknown = "in few load steps the seal takes another path"
+            continue
+        # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|
+        apart = force_difference(paths.coarse, paths.fine, np.arange(len(ends)))
+        return _with_remedy(file, apart / (1.0 - 0.5**ORDER))
+    return ForceError(None, unknown)
+
+
+def _with_remedy(file: SealFile, error: float) -> ForceError:
+    """Add the spacing and layers that reduce an error to ``WANTED``, where it is above ``LARGEST``."""
+    if error <= LARGEST:
+        return ForceError(error)
+    # e = C h^2, with a margin; two digits, and as many more cells across the walls
+    spacing, section = MARGIN * math.sqrt(WANTED / error) * file.section.spacing, file.section
+    spacing = float(f"{spacing:.2g}")
+    return ForceError(
+        error, "", (spacing, 1 + math.ceil((section.layers - 1) * section.spacing / spacing))
+    )
+
+
+def _compared_ends(result: SealResult) -> np.ndarray:
+    """Select the ends of the stages and the load steps at which the force on a profile is largest."""
+    forces = [result.path.reaction(part.label) for part in moving_parts(result.seal)]
+    largest = [1.0 + np.linalg.norm(force, axis=1).argmax() for force in forces]
+    return np.union1d(some_ends(result.seal, 1), largest)

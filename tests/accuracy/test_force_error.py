@@ -1,0 +1,127 @@
+"""Estimated error of the forces at the default spacing, against finer particles and finite elements."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from verification.loaded_sections import REFERENCES, loaded_errors, loaded_result
+
+import seal_mdao as sm
+from seal_mdao.accuracy import force_error as module
+from seal_mdao.accuracy.force_error import LARGEST, WANTED, ForceError, force_error
+from seal_mdao.cli.subcommands import main
+
+pytest.importorskip("netgen")
+
+BULB = """
+[material.foam]
+law = "hyperfoam"
+mu = [120.0, 40.0]
+alpha = [4.0, -2.0]
+nu = [0.2, 0.3]
+[section]
+outer = [
+  { edge = "base", line = [[-5.0, 0.0], [5.0, 0.0]] },
+  { edge = "side", line = [[5.0, 0.0], [5.0, 2.0]] },
+  { edge = "bulb", arc = { start = [5.0, 2.0], through = [0.5, 8.0], end = [-5.0, 2.0] } },
+  { edge = "other", line = [[-5.0, 2.0], [-5.0, 0.0]] },
+]
+hole = [{ edge = "inside", circle = { centre = [0.2, 4.7], radius = 1.8 } }]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "door"
+friction = 0.3
+contact = ["bulb"]
+circle = { centre = [0.0, 0.0], radius = 10.0 }
+start = [1.5, 18.0]
+stage = [{ translate = [0.0, -1.0] }, { translate = [0.0, -1.2] }]
+"""
+"""Foam bulb with a thick wall around a small hole, which is nearly closed: too stiff by default."""
+
+
+@pytest.fixture(scope="module")
+def bulb(tmp_path_factory):
+    """The bulb: its file, the result, and the estimated error."""
+    path = tmp_path_factory.mktemp("bulb") / "bulb.toml"
+    path.write_text(BULB, encoding="utf-8")
+    file = sm.read_seal_file(path)
+    result = sm.analyze(sm.build_seal(file))
+    return file, result, force_error(file, result)
+
+
+def test_estimate_is_that_of_other_particles_with_the_recommended_spacing(bulb):
+    file, result, found = bulb
+    spacing, layers = found.filling
+    finer = replace(file, section=replace(file.section, spacing=spacing, layers=layers))
+    fine = sm.analyze(sm.build_seal(finer))
+    # e = C h^2:  (F_h - F_fine) / F = C (h^2 - h_fine^2)
+    force, other = (own.reaction[-1, 1] for own in (result, fine))
+    ratio = (spacing / file.section.spacing) ** 2
+    error = (force / other - 1.0) / (1.0 - ratio)
+    assert error > 0.05
+    assert 0.8 * error <= found.relative <= 1.2 * error
+    assert ratio * error <= WANTED
+    assert f"{100.0 * found.relative:.2g} %" in found.warning
+    assert f"spacing = {spacing:g} and layers = {layers} in [section]" in found.warning
+
+
+def test_estimate_is_the_difference_from_finite_elements():
+    """A bulb whose force is 1.8 % too large, which is no reason for a warning."""
+    name = "stretched_bulb"
+    result = loaded_result(name)
+    found = force_error(sm.read_seal_file(REFERENCES / f"{name}.toml"), result)
+    assert abs(found.relative / loaded_errors(name, result).force - 1.0) <= 0.15
+    assert not found.warning
+    assert not found.unknown
+
+
+def test_paths_that_leave_that_of_the_result_give_no_estimate(bulb, monkeypatch):
+    """As where a profile passes a lip in one load step: both clouds have no force."""
+    file, result, _ = bulb
+    original = module.force_difference
+
+    def apart(coarse, fine, at):
+        return 0.3 if fine is result else original(coarse, fine, at)
+
+    monkeypatch.setattr(module, "force_difference", apart)
+    found = force_error(file, result)
+    assert found.relative is None
+    assert "another path" in found.unknown
+    assert not found.warning
+
+
+def test_warning_only_above_the_largest_error():
+    assert not ForceError(LARGEST).warning
+    assert not ForceError(None, "a reason").warning
+
+
+def test_analyze_prints_the_error_of_a_file_without_spacing(bulb, tmp_path, capsys):
+    file, _, found = bulb
+    assert main(["analyze", str(file.path), "--out", str(tmp_path / "out"), "--no-vtu"]) == 0
+    assert f"WARNING: {found.warning}" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["force_error_by_spacing"] == pytest.approx(found.relative, rel=1e-9)
+    assert found.warning in summary["warnings"]
+
+
+def test_analyze_with_a_spacing_estimates_nothing(tmp_path, capsys):
+    path = tmp_path / "bulb.toml"
+    path.write_text(BULB.replace("[section]", "[section]\nspacing = 1.0\nlayers = 3"))
+    assert main(["analyze", str(path), "--out", str(tmp_path / "out"), "--no-vtu"]) == 0
+    assert "due to the particle spacing" not in capsys.readouterr().out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert "force_error_by_spacing" not in summary
+
+
+def test_largest_forces_are_compared_although_the_seal_is_released(tmp_path):
+    text = BULB.replace("[0.0, -1.2] }", "[0.0, -0.2] }, { translate = [0.0, 2.0] }")
+    path = tmp_path / "bulb.toml"
+    path.write_text(text)
+    result = sm.analyze(sm.build_seal(path))
+    ends = module._compared_ends(result)
+    forces = np.linalg.norm(result.reaction, axis=1)
+    assert 1.0 + forces.argmax() in ends
+    assert ends[-1] == result.seal.n_steps
+    assert len(ends) <= 4
