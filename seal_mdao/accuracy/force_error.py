@@ -24,7 +24,7 @@ from seal_mdao.seals.result import SealResult
 LARGEST = 0.025
 """Relative error of a force above which there is a warning."""
 WANTED = 0.02
-"""Relative error that the recommended spacing has."""
+"""Relative error from which the recommended spacing is computed."""
 MARGIN = 0.9
 """Factor on the spacing that the order of the error gives."""
 APART = 0.25
@@ -42,7 +42,8 @@ class ForceError(NamedTuple):
     unknown : str
         Why it is not known; empty where it is.
     filling : tuple of (float, int)
-        Spacing (mm) and layers with which the error is about ``WANTED``; where it is above ``LARGEST``.
+        Where it is above ``LARGEST``: spacing (mm) and layers with which an error of second order is
+        ``WANTED``.
     """
 
     relative: float | None
@@ -57,8 +58,9 @@ class ForceError(NamedTuple):
         spacing, layers = self.filling
         return (
             "the estimated error of the forces due to the particle spacing is "
-            f"{100.0 * self.relative:.2g} %; for about {100.0 * WANTED:g} % use spacing = "
-            f"{spacing:g} and layers = {layers} in [section]"
+            f"{100.0 * self.relative:.2g} %; use a smaller spacing, such as spacing = {spacing:g} and "
+            f"layers = {layers} in [section], or let the program choose it with accuracy = "
+            f'"{100.0 * WANTED:g} %"'
         )
 
 
@@ -76,8 +78,8 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
         For a path that was not completed.
     """
     result.require_converged()
-    if not moving_parts(result.seal):
-        return ForceError(None, "the seal has neither profiles nor moved edges")
+    if not any(result.path.reaction(part.label).any() for part in moving_parts(result.seal)):
+        return ForceError(None, "no force acts on a profile or on moved edges")
     first, unknown = _compared_ends(result), ""
     for ends in (first, np.union1d(first, few_ends(result.seal)[0])):
         paths = ComparedPaths(file, result, callback, [ends], most_cuts=0)
