@@ -110,9 +110,6 @@ class SelfContact(TermDefinition):
             [np.column_stack([np.roll(p, 1), np.roll(p, -1)]) for p in self.loops]
         )
         points = averaged_points(particles, neighbours, self.nominal, self.axisymmetric, SMOOTH)
-        if self.axisymmetric and not self.nominal[particles, 0].all():
-            # sides on the axis have no circumference to be averaged with
-            points = replace(points, averages=points.averages._replace(around=False))
         return replace(points, fractions=points.fractions * self._touching_sides(points))
 
     def _touching_sides(self, points: MaterialPoints) -> np.ndarray:

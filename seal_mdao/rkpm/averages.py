@@ -38,14 +38,15 @@ class EdgeAverages(NamedTuple):
         From A to the other ends of these edges; to A itself where there is none.
     fractions : ndarray, shape (k, e, q)
         m_q / (c_q l_e), w_q psi_A; zero for an edge that is missing.
-    around : bool
-        Whether the edges are turned about the axis; c_q = 1 in plane strain.
+    around : ndarray of bool, shape (k,)
+        Whose edges are turned about the axis; c_q = 1 in plane strain, and for points whose edges all
+        lie on the axis.
     """
 
     gauss: PointSet
     edges: np.ndarray
     fractions: np.ndarray
-    around: bool = False
+    around: np.ndarray
 
     def weights(self, particles: np.ndarray) -> np.ndarray:
         """Compute m_q / L_A, shape (k, e q), for ``particles`` (n, 2)."""
@@ -60,8 +61,9 @@ class EdgeAverages(NamedTuple):
         moved = velocity[:, self.edges[..., 1]] - velocity[:, self.edges[..., 0]]
         # l_e' = t . (V_b - V_a),  (c_q l_e)' = c_q l_e' + c_q' l_e
         rates = np.einsum("kei,pkei->kep", tangent, moved)[:, :, None] * around[..., None]
-        if self.around:
+        if self.around.any():
             widened = self._circumferences(np.moveaxis(velocity, 0, 2))
+            widened[~self.around] = 0.0
             rates = rates + widened * length[..., None, None]
         fractions, total = self.fractions[..., None], total[..., None]
         total_rate = (fractions * rates).sum(axis=(1, 2), keepdims=True)
@@ -79,9 +81,10 @@ class EdgeAverages(NamedTuple):
         # seeds on (c_q l_e)' and, by L', on all of them
         share = (length[..., None] * around)[..., None] / total
         on_sizes = seeds - fractions * (share * seeds).sum(axis=(1, 2), keepdims=True)
-        if self.around:
+        if self.around.any():
             # R_q_bar = 2 pi l_e (c_q l_e)_bar
             on_radius = CIRCUMFERENCE * length[..., None, None] * on_sizes
+            on_radius[~self.around] = 0.0
             on_radius = on_radius.reshape(len(self.gauss.anchors), x_bar.shape[2])
             add_radius_seeds(self.gauss, particles, on_radius, x_bar)
         length_bar = (around[..., None] * on_sizes).sum(axis=2)
@@ -96,8 +99,8 @@ class EdgeAverages(NamedTuple):
         length = np.hypot(edge[..., 0], edge[..., 1])
         length = np.where(length > 0.0, length, 1.0)
         around = np.ones(self.fractions.shape)
-        if self.around:
-            around = self._circumferences(particles)
+        if self.around.any():
+            around[self.around] = self._circumferences(particles)[self.around]
         total = np.einsum("keq,ke,keq->k", self.fractions, length, around)
         return edge / length[..., None], length, around, total[:, None, None]
 

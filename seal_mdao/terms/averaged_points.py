@@ -89,7 +89,14 @@ def averaged_points(
         inside = (inner | (nominal[a, 0] == 0.0)) & known
     straight_end = ~(inside & inside[back]) & (near + far == 0.0)
     gamma = np.where(straight_end, DUAL, SMOOTH)
-    gamma = np.where(at_corner, beside_corner, gamma)[:, None]
+    gamma = np.where(at_corner, beside_corner, gamma)
+    if axisymmetric:
+        # an edge of length h from the axis: the mean radius h (1 - 2 gamma) / (2 (1 - gamma)) is to be
+        # that of other points at corners
+        from_axis = corner & (nominal[a, 0] == 0.0) & (nominal[b, 0] != 0.0)
+        beside = (1.0 - beside_corner) / 3.0
+        gamma[from_axis | (from_axis[back] & known)] = (1.0 - 2.0 * beside) / (2.0 - 2.0 * beside)
+    gamma = gamma[:, None]
     fractions = (a != b)[:, None] * 0.5 * w * (hat + gamma * (2.0 * hat - 1.0))
     radial = None
     if axisymmetric:
@@ -97,7 +104,9 @@ def averaged_points(
         own = (2.0 + gamma.reshape(where.edges.shape[:2])) / 3.0
         radial = np.stack([own, 1.0 - own], axis=2)
     fractions = fractions.reshape(*where.edges.shape[:2], 2)
-    averages = EdgeAverages(gauss, where.edges, fractions, axisymmetric)
+    # edges on the axis have no circumference
+    around = axisymmetric & (nominal[where.edges, 0] != 0.0).any(axis=(1, 2))
+    averages = EdgeAverages(gauss, where.edges, fractions, around)
     return replace(where, averages=averages, radial=radial)
 
 

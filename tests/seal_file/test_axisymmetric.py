@@ -261,13 +261,15 @@ type = "strain_energy"
 """
 
 
-def stacked_rings(folder, size):
+LENGTHS = {
+    "spacing": 1.0, "inner": 10.0, "outer": 16.0, "low": 2.0, "high": 2.05, "top": 4.05,
+    "travel": -0.5,
+}  # fmt: skip
+
+
+def stacked_rings(folder, size, **changed):
     """The analysis of two rings that press on each other, with all lengths multiplied by ``size``."""
-    lengths = {
-        "spacing": 1.0, "inner": 10.0, "outer": 16.0, "low": 2.0, "high": 2.05, "top": 4.05,
-        "travel": -0.5,
-    }  # fmt: skip
-    scaled = {name: size * length for name, length in lengths.items()}
+    scaled = {name: size * length for name, length in {**LENGTHS, **changed}.items()}
     path = folder / f"rings_{size:g}.toml"
     path.write_text(STACKED_RINGS.format(**scaled, normal=1e4 / size, tangent=1e3 / size))
     return sm.analyze(sm.build_seal(path))
@@ -282,8 +284,44 @@ def test_the_penalty_of_two_rings_in_contact_is_a_pressure_per_penetration(tmp_p
     assert two.strain_energy == pytest.approx(8.0 * one.strain_energy, rel=1e-11)
 
 
-def test_the_contact_of_two_rings_has_exact_derivatives(tmp_path):
-    require_exact(stacked_rings(tmp_path, 1.0), ["reaction_of_top", "strain_energy"], 1e-3)
+@pytest.mark.parametrize("inner", [10.0, 0.0])
+def test_the_contact_of_two_rings_has_exact_derivatives(tmp_path, inner):
+    """And that of two discs, whose axis is part of the loops."""
+    result = stacked_rings(tmp_path, 1.0, inner=inner)
+    require_exact(result, ["reaction_of_top", "strain_energy"], 1e-3)
+
+
+BETWEEN_PLATES = """[[profile]]
+name = "plate"
+friction = 0.0
+contact = ["top"]
+line = [[-20.0, 0.0], [20.0, 0.0]]
+start = [0.0, {top}]
+stage = [{{ translate = [0.0, -0.4], steps = 2 }}]
+normal_penalty = 1e6
+[[profile]]
+name = "floor"
+friction = 0.0
+contact = ["base"]
+line = [[20.0, 0.0], [-20.0, 0.0]]
+normal_penalty = 1e6
+"""
+
+
+@pytest.mark.parametrize("inner", [10.0, 0.0])
+def test_two_rings_and_two_discs_press_on_each_other_with_one_pressure(tmp_path, inner):
+    """From the axis, or the inner edge, to the outer edge (contact patch test)."""
+    text = STACKED_RINGS.replace("friction = 0.3", "friction = 0.0")
+    before, _, after = text.partition("[fixed]")
+    text = before + BETWEEN_PLATES + after[after.index("[[design]]") :]
+    text = text.replace('type = "reaction"', 'type = "reaction"\nprofile = "plate"')
+    path = tmp_path / "discs.toml"
+    path.write_text(text.format(**{**LENGTHS, "inner": inner}, normal=1e6, tangent=1e5))
+    result = sm.analyze(sm.build_seal(path))
+    assert result.converged, result.failure
+    _, gap = result.term("self_contact").gaps(result.response("self_contact").x)
+    assert gap.max() < 0.0
+    assert np.ptp(gap) < 1e-9 * np.abs(gap).max()
 
 
 def test_the_mean_radius_does_not_depend_on_the_particles(tmp_path):
