@@ -2,11 +2,20 @@
 
     x_c(xi) = sum_b N_b(s) x_(a-2+b),    xi = a + s,  0 <= s < 1,  b = 0 ... 5
 
-On a segment the curve is the quintic with the positions and the first and second derivatives of its two
-ends. The derivatives at a point j are those of the polynomial through the points j - 2 ... j + 2 (finite
+On a segment the curve is the quintic with the positions and first and second derivatives of its ends.
+The derivatives at a point j are those of the polynomial through the points j - 2 ... j + 2 (finite
 differences), so curvature is continuous, and friction does not jump where a point goes from one segment
 to the next; the curve errs by the fourth power of the distance of points. N_b is one at its own point
 and zero at all others: points that face each other hand over their forces completely.
+
+A curve through the points overshoots at a bend by more than ``BENT``, and iterations of Newton's method
+go to and fro there. Positions and second derivatives are smoothed at bends, as by quasi-interpolation
+with cubic B-splines (C. de Boor, A Practical Guide to Splines, Springer 2001, chapter XII). With the
+second differences D x at bends,
+
+    y = W x,    y'' = x'' + 3 (W - I) x,    W = I - D^T D / 36.
+
+W is symmetric and W 1 = 1, so points that face each other hand over a uniform pressure as it is.
 
 At a sharp corner there are two points, each ``BESIDE`` of a side of length h away from it
 (``terms.averaged_points``). The polynomials end at corners, so that straight sides are straight. Between
@@ -33,6 +42,9 @@ BESIDE = (1.0 - SMOOTH) / 3.0
 
 SPEED = 5.0 * BESIDE
 """Derivative of x_c by s at both ends of the segment around a corner over that along its sides."""
+
+BENT = np.cos(np.deg2rad(15.0))
+"""Cosine of the least angle between two edges that makes the particle between them a bend."""
 
 _HERMITE = np.linalg.inv([
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
@@ -93,7 +105,7 @@ class Rings(NamedTuple):
         return np.where(self.first[own] == self.first[its], change, np.nan)
 
 
-def rings(sizes, corner=None) -> Rings:
+def rings(sizes, corner=None, bent=None) -> Rings:
     """Build rings from the numbers of their points.
 
     Parameters
@@ -101,39 +113,50 @@ def rings(sizes, corner=None) -> Rings:
     sizes : sequence of int
     corner : ndarray of bool, shape (k,), optional
         Whether a point is the first one of two at a sharp corner; none unless given.
+    bent : ndarray of bool, shape (k,), optional
+        Whether a point is at a bend, which is not a sharp corner; none unless given.
     """
     sizes = np.asarray(sizes, int)
     first = np.concatenate([[0], np.cumsum(sizes)[:-1]])
     first, size = np.repeat(first, sizes), np.repeat(sizes, sizes)
     made = Rings(first, size, np.empty((len(first), 6, 6)))
-    corner = np.zeros(len(first), bool) if corner is None else np.asarray(corner, bool)
-    slopes = _differences(made, corner)
+    corner, bent = (
+        np.zeros(len(first), bool) if given is None else np.asarray(given, bool)
+        for given in (corner, bent)
+    )
+    distance = _distances(made, corner)
+    smoothing = _smoothing(made, distance, bent)
+    # x, x', x'' by the points j - 2 ... j + 2, smoothed at bends
+    at_point = np.concatenate([smoothing[:, None], _differences(distance)], axis=1)
+    at_point[:, 2] += 3.0 * (smoothing - (np.arange(5) == 2))
     # rows x, x', x'' at both ends by the six points a - 2 ... a + 3
     rows = np.zeros((len(first), 6, 6))
-    rows[:, 0, 2] = rows[:, 3, 3] = 1.0
-    rows[:, 1:3, :5] = slopes
-    rows[:, 4:, 1:] = slopes[made.step(np.arange(len(first)), 1)]
+    rows[:, :3, :5], rows[:, 3:, 1:] = at_point, at_point[made.step(np.arange(len(first)), 1)]
     # around a corner x' = SPEED h t, and x'' = -4 x' and 4 x' at its ends
     rows[corner, 1:3] = SPEED * rows[corner, 1, None] * [[1.0], [-4.0]]
     rows[corner, 4:] = SPEED * rows[corner, 4, None] * [[1.0], [4.0]]
     return made._replace(quintics=_HERMITE @ rows)
 
 
-def _differences(ring: Rings, corner: np.ndarray) -> np.ndarray:
+def _distances(ring: Rings, corner: np.ndarray) -> np.ndarray:
+    """Distances from the points j to j - 2 ... j + 2 along a side, over the length of its edges, shape
+    (k, 5); infinite beyond a corner."""
+    every, number = np.arange(len(corner)), np.arange(-2, 3)
+    back, further = corner[ring.step(every, -1)], corner[ring.step(every, -2)]
+    # points on the same side of corners, up to two before and two after
+    before = 2 - 2 * back - (~back & further)
+    after = 2 - 2 * corner - (~corner & corner[ring.step(every, 1)])
+    # the points at both ends of a side are BESIDE h inside of it
+    shift = BESIDE * (back.astype(float) - corner)
+    found = number + shift[ring.step(every[:, None], number)] - shift[:, None]
+    found[(number < -before[:, None]) | (number > after[:, None])] = np.inf
+    return found
+
+
+def _differences(distance: np.ndarray) -> np.ndarray:
     """Weights of the points j - 2 ... j + 2 in x' and x'' at the points j, shape (k, 2, 5): those of
     the polynomial through the ones on the same side of corners."""
-    every = np.arange(len(corner))
-    # the points at both ends of a side are BESIDE h inside of it
-    shift = BESIDE * (corner[ring.step(every, -1)].astype(float) - corner)
-    one, two = corner[ring.step(every, -1)], corner[ring.step(every, -2)]
-    before, after = (
-        2 - 2 * one - (~one & two),
-        2 - 2 * corner - (~corner & corner[ring.step(every, 1)]),
-    )
-    number = np.arange(-2, 3)
-    at = number + shift[ring.step(every[:, None], number)] - shift[:, None]
-    at[(number < -before[:, None]) | (number > after[:, None])] = np.inf
-    patterns, own = np.unique(at, axis=0, return_inverse=True)
+    patterns, own = np.unique(distance, axis=0, return_inverse=True)
     weights = np.zeros((len(patterns), 2, 5))
     for pattern, found in zip(patterns, weights, strict=True):
         there = np.isfinite(pattern)
@@ -142,6 +165,21 @@ def _differences(ring: Rings, corner: np.ndarray) -> np.ndarray:
         for order, factor in enumerate((1.0, 2.0)[: len(powers) - 1]):
             found[order, there] = factor * powers[order + 1]
     return weights[own.ravel()]
+
+
+def _smoothing(ring: Rings, distance: np.ndarray, bent: np.ndarray) -> np.ndarray:
+    """Weights of the points j - 2 ... j + 2 in the smoothed positions y_j, shape (k, 5)."""
+    every = np.arange(len(distance))
+    # (D x)_j = (x_(j+1) - x_j) / h_2 - (x_j - x_(j-1)) / h_1 at bends
+    one, two = 1.0 / -distance[:, 1], 1.0 / distance[:, 3]
+    differences = np.where(bent[:, None], np.column_stack([one, -one - two, two]), 0.0)
+    weights = np.zeros((len(every), 5))
+    weights[:, 2] = 1.0
+    for i in range(3):
+        row = differences[ring.step(every, i - 1)]
+        # W_jb = delta_jb - D_ij D_ib / 36, i = j - 1, j, j + 1
+        weights[:, i : i + 3] -= row[:, 2 - i, None] * row / 36.0
+    return weights
 
 
 def outward(x: np.ndarray, ring: Rings) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from seal_mdao.contact.boundary_curve import (
+    BENT,
     N_PLACES,
     NODES,
     Rings,
@@ -35,7 +36,7 @@ from seal_mdao.contact.self_friction import (
 from seal_mdao.contact.self_linear import LinearContact
 from seal_mdao.contact.self_mixed import Linearization
 from seal_mdao.errors import GeometryError
-from seal_mdao.terms.averaged_points import SMOOTH, averaged_points
+from seal_mdao.terms.averaged_points import SMOOTH, averaged_points, sharp_corners
 from seal_mdao.terms.coupled_term import CoupledResponse, CoupledTerm, LocalMap
 from seal_mdao.terms.points import MaterialPoints
 from seal_mdao.terms.term import ReleasedEnergy, TermDefinition
@@ -134,7 +135,8 @@ class SelfContact(TermDefinition):
         """The closed boundaries of the points."""
         corner = self.where.edges[:, 1, 0] == self.where.edges[:, 1, 1]
         sizes = [int(np.isin(self.where.of_particles, loop).sum()) for loop in self.loops]
-        return rings(sizes, corner)
+        bent = sharp_corners(self.where.edges, self.nominal, BENT)
+        return rings(sizes, corner, bent)
 
     @property
     def scalars(self) -> dict:

@@ -110,14 +110,16 @@ def averaged_points(
     return replace(where, averages=averages, radial=radial)
 
 
-def sharp_corners(edges: np.ndarray, particles: np.ndarray) -> np.ndarray:
-    """Find the points at which the boundary turns by more than the angle of ``CORNER``.
+def sharp_corners(edges: np.ndarray, particles: np.ndarray, least: float = CORNER) -> np.ndarray:
+    """Find the points at which the boundary turns by more than an angle.
 
     Parameters
     ----------
     edges : ndarray of int, shape (k, 2, 2)
         From the particle of a point to those before and after; to itself where there is none.
     particles : ndarray, shape (n, 2)
+    least : float
+        Cosine of the angle.
 
     Returns
     -------
@@ -127,7 +129,7 @@ def sharp_corners(edges: np.ndarray, particles: np.ndarray) -> np.ndarray:
     length = np.hypot(sides[..., 0], sides[..., 1])
     # cosine of the angle by which the boundary turns, over both lengths; 0 < 0 without an edge
     turn = -np.einsum("ki,ki->k", sides[:, 0], sides[:, 1])
-    return turn < CORNER * length[:, 0] * length[:, 1]
+    return turn < least * length[:, 0] * length[:, 1]
 
 
 def _divided_corners(which, neighbours, nominal) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -53,6 +53,22 @@ def test_the_curve_runs_through_its_points_with_continuous_curvature():
         assert ring.weights(at[:1], one, 0)[0] == pytest.approx([0, 0, 0, 1, 0, 0], abs=1e-14)
 
 
+def test_the_curve_is_smoothed_at_bends():
+    """There it is the quasi-interpolation with cubic B-splines, control points (-1, 8, -1)/6."""
+    bent = np.arange(12) % 12 < 9
+    ring, at, zero = rings([12], bent=bent), np.array([4]), np.zeros(1)
+    splines = np.convolve([1.0, 4.0, 1.0], [-1.0, 8.0, -1.0]) / 36.0
+    np.testing.assert_allclose(ring.weights(at, zero, 0)[0], [*splines, 0.0], atol=1e-14)
+    curvature = np.convolve([1.0, -2.0, 1.0], [-1.0, 8.0, -1.0]) / 6.0
+    np.testing.assert_allclose(ring.weights(at, zero, 2)[0], [*curvature, 0.0], atol=1e-13)
+    # and at the others it runs through its points; a uniform pressure is handed over as it is
+    every, smoothing = np.arange(12), np.zeros((12, 12))
+    weights = ring.weights(every, np.zeros(12), 0)
+    np.add.at(smoothing, (every[:, None], masters(every, ring)), weights)
+    assert smoothing[10] == pytest.approx(np.eye(12)[10], abs=1e-14)
+    np.testing.assert_allclose(smoothing.sum(axis=0), 1.0, atol=1e-14)
+
+
 def squares(h, beside):
     """Points of a square with sides of 4 h, two at every corner, and the first ones there."""
     side = h * np.array([beside, 1.0, 2.0, 3.0, 4.0 - beside])
