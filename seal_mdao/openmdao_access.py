@@ -68,6 +68,16 @@ class FailedCases(Driver):
         return metadata
 
 
+class TotalsInUnits(Driver):
+    """Mixin of a driver of OpenMDAO whose total derivatives are in the declared units; see
+    ``convert_totals``."""
+
+    def _compute_totals(self, *args, **kwargs):
+        totals = super()._compute_totals(*args, **kwargs)
+        convert_totals(self)
+        return totals
+
+
 class DriverHooks(FailedCases):
     """Private hooks of a driver as public methods and attributes: name under which cases are recorded,
     message and major iterations of the last run."""
@@ -286,10 +296,31 @@ def compute_totals(driver: Driver, of: list[str], wrt: list[str], once: bool) ->
         driver._total_jac = None
     try:
         with counting_failures(driver.result, "deriv"):
-            return driver._compute_totals(of=of, wrt=wrt, return_format="array")
+            totals = driver._compute_totals(of=of, wrt=wrt, return_format="array")
+            convert_totals(driver)
+            return totals
     finally:
         if once:
-            driver._total_jac = kept
+            # a model that approximates its totals is set up for the last list of responses only
+            approximated = problem_of(driver).model._owns_approx_jac
+            driver._total_jac = None if approximated else kept
+
+
+def convert_totals(driver: Driver) -> None:
+    """Convert the last total derivatives of a driver, in place, to the declared units of design
+    variables and responses, where OpenMDAO has not done so.
+
+    OpenMDAO 3.45 omits the conversion for all lists of responses but that of the objective and the
+    nonlinear constraints: derivatives of linear constraints are in the units of the model.
+    """
+    # derivatives of linear constraints are stored apart if the driver supports linear constraints
+    totals = driver._total_jac if driver._total_jac is not None else driver._total_jac_linear
+    if not hasattr(totals, "_identify_unit_active_vars"):  # before 3.44
+        return
+    if not (totals._resp_unit_scalers or totals._desvar_unit_scalers):
+        # d(u_f f)/d(u_x x) = (u_f / u_x) df/dx; later computations of the same list are converted
+        totals._identify_unit_active_vars()
+        totals._apply_unit_scaling(totals.J_dict)
 
 
 def report_singular(driver: Driver) -> None:

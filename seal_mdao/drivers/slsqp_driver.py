@@ -10,7 +10,14 @@ from seal_mdao.components.failures import warn_of_faults
 from seal_mdao.drivers.layout import flat, read_layout
 from seal_mdao.drivers.optimizer_driver import VIOLATED
 from seal_mdao.drivers.solver_libraries import count, tolerance
-from seal_mdao.openmdao_access import FailedCases, faults, problem_of, scaled_bounds, snapshot
+from seal_mdao.openmdao_access import (
+    FailedCases,
+    TotalsInUnits,
+    faults,
+    problem_of,
+    scaled_bounds,
+    snapshot,
+)
 
 FAILED_OBJECTIVE = 1e20
 """Scaled objective of a failed analysis. The line search rejects the step and tries a tenth of it."""
@@ -18,7 +25,7 @@ FEASIBLE = 1e-6
 """Largest violation of a constraint that is satisfied, in driver scaling."""
 
 
-class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
+class SlsqpDriver(FailedCases, TotalsInUnits, om.ScipyOptimizeDriver):
     """OpenMDAO's ScipyOptimizeDriver with SLSQP; an analysis that fails shortens the step.
 
     AnalysisError at the start, or in the derivatives, ends the run as usual. Use `UnoDriver`
@@ -87,7 +94,7 @@ class SlsqpDriver(FailedCases, om.ScipyOptimizeDriver):
         self._restore()
         self.case_failure = ""
         # shape of the objective, value that the line search rejects
-        return {name: value * 0.0 + FAILED_OBJECTIVE for name, value in found.items()}
+        return {name: np.full_like(value, FAILED_OBJECTIVE) for name, value in found.items()}
 
     def _analyse(self) -> None:
         """Run the model; store a failure, or raise it at the start."""

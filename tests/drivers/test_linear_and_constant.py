@@ -8,6 +8,9 @@ import pytest
 from driver_models import TARGET, projection_problem, run_projection
 from openmdao.utils.om_warnings import DriverWarning
 
+import seal_mdao as sm
+from seal_mdao.drivers.optimality import measure_optimality
+
 
 def _with_linear_constraint(driver):
     prob = projection_problem(driver)
@@ -24,6 +27,39 @@ def test_linear_constraint(make_driver):
     shift = (0.5 - 2.0 - TARGET[1:3].sum()) / 2
     expected = [2.0, TARGET[1] + shift, TARGET[2] + shift, TARGET[3]]
     assert x == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", [sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver])
+@pytest.mark.parametrize("approximated", [False, True], ids=["exact", "approximated"])
+def test_linear_constraint_in_other_units(kind, approximated):
+    """OpenMDAO 3.45 gives derivatives of linear constraints in the units of the model, and sets up
+    approximated totals for the last list of responses only."""
+    design = {"lower": -5000.0, "upper": 5000.0, "units": "mm", "ref": 1000.0}
+    prob = projection_problem(kind(tol=1e-8, disp=False), **design)
+    comp = om.ExecComp("total = x[0] + x[1]", x={"shape": 4, "units": "m"}, total={"units": "m"})
+    prob.model.add_subsystem("adding", comp, promotes=["*"])
+    prob.model.add_constraint("total", upper=-6e-4, units="km", ref=1e-3, linear=True)
+    prob.model.add_constraint("s", indices=[0], upper=4.0)
+    if approximated:
+        prob.model.approx_totals()
+    # (3, -2) has the sum 1, which is to be -0.6; x_0 <= 2
+    x = run_projection(prob, (0.5, 0.5, 0.5, 0.5))
+    assert x == pytest.approx([2.0, -2.6, 1.0, 0.5], abs=1e-4)
+    assert x[:2].sum() == pytest.approx(-0.6, abs=1e-8)
+
+
+def test_optimality_with_a_linear_constraint_in_other_units():
+    prob = projection_problem(om.ScipyOptimizeDriver(tol=1e-10, disp=False), units="cm")
+    comp = om.ExecComp("total = x[0] + x[1]", x={"shape": 4, "units": "m"})
+    prob.model.add_subsystem("adding", comp, promotes=["*"])
+    prob.model.add_constraint("total", equals=-0.6, linear=True)
+    prob.setup()
+    prob.set_val("x", [2.2, -2.8, 1.0, 0.5])
+    prob.run_model()
+    found = measure_optimality(prob.driver)
+    assert found.satisfied(1e-8, 1e-8)
+    # df/dx_0 = df/dx_1 = 2 (2.2 - 3)
+    assert found.multipliers == pytest.approx(1.6, rel=1e-8)
 
 
 def test_linear_derivatives_are_computed_once(make_driver):

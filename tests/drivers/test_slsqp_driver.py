@@ -16,6 +16,7 @@ from hock_schittkowski import build
 from test_failed_analyses import REGIONS, region_problem
 
 import seal_mdao as sm
+from seal_mdao.drivers.slsqp_driver import FAILED_OBJECTIVE
 
 
 @pytest.mark.parametrize("number", [1, 6, 35, 71])
@@ -52,6 +53,27 @@ def test_failed_analysis_shortens_the_step_and_is_recorded_as_failed():
     for case in failed:
         assert 1 < case.get_design_vars()["x"][0] < 3
         assert "the analysis does not converge here" in case.msg
+
+
+def test_outputs_that_are_nan_after_a_failure_do_not_reach_the_optimiser():
+    """As the outputs of a seal are."""
+    values = []
+
+    class Observed(sm.SlsqpDriver):
+        def _objfunc(self, x_new):
+            value = super()._objfunc(x_new)
+            values.append(np.ravel(value).item())
+            return value
+
+    def fail(x, call):
+        if 1 < x[0] < 3:
+            prob.model.plane._outputs.set_val(np.nan)
+            raise om.AnalysisError("the analysis does not converge here")
+
+    prob = plane_problem(Observed(tol=1e-10), (5, 5), hook=fail)
+    assert prob.run_driver().success
+    assert np.isfinite(values).all()
+    assert values.count(FAILED_OBJECTIVE) == prob.driver.failed_analyses > 0
 
 
 def test_state_after_the_run_is_that_of_a_good_analysis():
