@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import openmdao.api as om
+from openmdao.utils.array_utils import array_connection_compatible
 from openmdao.utils.units import convert_units
 
 from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
@@ -221,13 +222,16 @@ def _value(case, target, model, units, given) -> np.ndarray | None:
         return given.get(target)
     value = case.inputs.get(target)
     if value is None:
-        value = convert_units(case.outputs[source], model.units[source], units[own_name(target)])
+        value, shape = case.outputs[source], model.shapes.get(target)
+        # OpenMDAO connects other shapes through src_indices only, which are not in the file
+        if shape is None or not array_connection_compatible(value.shape, shape):
+            return given.get(target)
+        value = convert_units(value.reshape(shape), model.units[source], units[own_name(target)])
     return value
 
 
 def _is_known(name: str, value, seal: Seal | None) -> bool:
-    """Return whether the file contains the value of an input: src_indices are not in the file, so an
-    input that is a part of the recorded output is unknown."""
+    """Return whether the value of an input is known, with as many numbers as the seal has."""
     if value is None:
         return False
     if name not in ARRAYS:

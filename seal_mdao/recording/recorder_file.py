@@ -54,9 +54,9 @@ class RecordedModel:
 
     Attributes
     ----------
-    promoted, units, kinds : dict
-        Promoted name, unit (or None), and kinds in the driver (``OBJECTIVE``, ``CONSTRAINT``,
-        ``DESIGN``) of every variable by absolute name.
+    promoted, units, shapes, kinds : dict
+        Promoted name, unit (or None), shape (or None), and kinds in the driver (``OBJECTIVE``,
+        ``CONSTRAINT``, ``DESIGN``) of every variable by absolute name.
     sources : dict of str to str
         Outputs by the inputs that are connected to them.
     variables : dict of str to dict
@@ -69,6 +69,7 @@ class RecordedModel:
 
     promoted: dict
     units: dict
+    shapes: dict
     kinds: dict
     sources: dict
     variables: dict
@@ -139,12 +140,19 @@ def read_model(database: PlainDatabase) -> RecordedModel:
     return RecordedModel(
         promoted=names["input"] | names["output"],
         units={name: own.get("units") for name, own in metadata.items()},
+        shapes={name: _shape(own.get("shape")) for name, own in metadata.items()},
         kinds={name: own.get("type", ()) for name, own in metadata.items()},
         sources=sources,
         variables=variables,
         driver=viewer.get("driver") or {},
         options=_text_options(viewer["tree"]) if viewer else {},
     )
+
+
+def _shape(found) -> tuple | None:
+    """Return a recorded shape as a tuple; None for anything else."""
+    is_shape = isinstance(found, list | tuple) and all(isinstance(size, int) for size in found)
+    return tuple(found) if is_shape else None
 
 
 def _text_options(tree: dict) -> dict[str, dict[str, str]]:

@@ -294,3 +294,27 @@ def test_designs_of_a_seal_on_which_no_response_depends(tmp_path, part):
             assert not {"boundary_offsets", "particles"} & of_other.keys()
         else:
             assert np.array_equal(of_main["boundary_offsets"], of_other["boundary_offsets"])
+
+
+@pytest.mark.parametrize("shape", [(5, 5), (1, 25)], ids=["taken in another order", "a row"])
+def test_offsets_from_an_output_of_another_shape(tmp_path, shape):
+    """Without src_indices OpenMDAO connects only shapes of the same order, such as rows and columns."""
+    prob = om.Problem(driver=om.DOEDriver(om.ListGenerator([[("x.offsets", np.full(shape, 0.1))]])))
+    prob.model.add_subsystem("x", om.IndepVarComp("offsets", np.zeros(shape), units="cm"))
+    prob.model.add_subsystem("seal", sm.SealGroup(seal=SEAL, measures=("gap_square_sum",)))
+    taken = {"src_indices": np.arange(25)[::-1], "flat_src_indices": True} if shape[0] > 1 else {}
+    prob.model.connect("x.offsets", "seal.boundary_offsets", **taken)
+    prob.model.add_design_var("x.offsets", units="mm")
+    prob.model.add_objective("seal.gap_square_sum")
+    prob.driver.add_recorder(om.SqliteRecorder(tmp_path / "cases.sql"))
+    prob.setup()
+    prob.run_driver()
+    prob.cleanup()
+    history = read_optimization(tmp_path / "cases.sql")
+    assert history.seals[0].drawable is not bool(taken)
+    if taken:
+        with pytest.raises(ValueError, match="does not contain the design parameters"):
+            history.design_at(0)
+    else:
+        assert history.design_at(0)[0] == pytest.approx(np.full(25, 0.1))
+    write_report(tmp_path / "cases.sql", tmp_path / "report")

@@ -147,6 +147,6 @@ def test_table_of_many_scenarios_is_closed_at_first():
     ],
 )  # fmt: skip
 def test_table_that_is_none_is_refused(text):
-    model = RecordedModel({}, {}, {}, {}, {}, {}, {"": {"scenarios_table": text}})
+    model = RecordedModel({}, {}, {}, {}, {}, {}, {}, {"": {"scenarios_table": text}})
     with pytest.raises(ValueError, match="the recorded option scenarios_table is damaged"):
         read_scenarios(model, "", "scenarios.", [])
