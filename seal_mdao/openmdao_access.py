@@ -70,10 +70,22 @@ class FailedCases(Driver):
 
 class TotalsInUnits(Driver):
     """Mixin of a driver of OpenMDAO whose total derivatives are in the declared units; see
-    ``convert_totals``."""
+    ``convert_totals``.
+
+    Attributes
+    ----------
+    computing_totals : bool
+        Whether total derivatives are being computed; finite differences run the model meanwhile.
+    """
+
+    computing_totals = False
 
     def _compute_totals(self, *args, **kwargs):
-        totals = super()._compute_totals(*args, **kwargs)
+        self.computing_totals = True
+        try:
+            totals = super()._compute_totals(*args, **kwargs)
+        finally:
+            self.computing_totals = False
         convert_totals(self)
         return totals
 

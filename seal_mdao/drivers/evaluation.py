@@ -136,8 +136,11 @@ class ModelEvaluator:
             self.load(x)
             with self._running():
                 return self.totals_here()
-        except AnalysisError as error:
-            self._note_failure(x, error)
+        except BaseException as error:
+            # a finite difference that failed has left the model at its perturbed design
+            self._restore_last_success()
+            if isinstance(error, AnalysisError):
+                self._note_failure(x, error)
             raise
 
     def totals_here(self, once: bool = False):

@@ -97,7 +97,10 @@ class SlsqpDriver(FailedCases, TotalsInUnits, om.ScipyOptimizeDriver):
         return {name: np.full_like(value, FAILED_OBJECTIVE) for name, value in found.items()}
 
     def _analyse(self) -> None:
-        """Run the model; store a failure, or raise it at the start."""
+        """Run the model; store a failure, or raise it at the start and in finite differences."""
+        if self.computing_totals:
+            type(self._model).run_solve_nonlinear(self._model)
+            return
         self.case_failure = ""
         try:
             type(self._model).run_solve_nonlinear(self._model)

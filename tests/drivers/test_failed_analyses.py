@@ -14,6 +14,7 @@ from driver_models import (
     rosenbrock,
 )
 
+import seal_mdao as sm
 from seal_mdao.drivers.optimality import measure_optimality
 
 
@@ -180,6 +181,31 @@ def test_failed_points_are_not_run_twice(make_driver):
     prob = constrained_problem(make_driver(), (5, 5), "x[0] * x[1]", -50.0, hook=hook)
     prob.run_driver()
     assert len(seen) == len(set(seen)) > 3
+
+
+def approximated_problem(driver):
+    """Return a problem whose finite differences fail at its optimum (0.5, 1), a bound."""
+    prob = plane_problem(driver, (5, 5), hook=failing_where(lambda x: x[0] < 0.5))
+    prob.model.set_design_var_options("x", lower=np.array([0.5, -10.0]))
+    prob.model.approx_totals(form="backward", step=1e-3)
+    prob.setup()
+    prob.set_val("x", np.array([5.0, 5.0]))
+    return prob
+
+
+def test_design_is_restored_after_finite_differences_that_fail(make_driver):
+    """The last design is not the one at which a difference was to be taken."""
+    prob = approximated_problem(make_driver())
+    prob.run_driver()
+    assert prob.driver.failed_analyses > 0
+    x = prob.get_val("x")
+    assert x[0] >= 0.5
+    assert prob.get_val("f")[0] == quadratic(x)
+
+
+def test_slsqp_raises_a_failure_in_finite_differences():
+    with pytest.raises(om.AnalysisError, match="does not converge here"):
+        approximated_problem(sm.SlsqpDriver(disp=False)).run_driver()
 
 
 @pytest.mark.filterwarnings("ignore:The top level group has a nonlinear solver")
