@@ -7,7 +7,12 @@ import numpy as np
 
 from seal_mdao.recording import run_log
 from seal_mdao.recording.plain_reading import PlainDatabase, reading
-from seal_mdao.recording.recorded_seals import own_name, read_seals, recorded_settings
+from seal_mdao.recording.recorded_seals import (
+    has_failed_seal,
+    own_name,
+    read_seals,
+    recorded_settings,
+)
 from seal_mdao.recording.recorder_file import (
     CONSTRAINT,
     DESIGN,
@@ -290,9 +295,10 @@ def _kind(driver: dict) -> str:
 
 
 def _finite(model: RecordedModel, case: Case) -> bool:
-    # OpenMDAO's DOEDriver marks failures as successes; their values are NaN
+    # OpenMDAO's DOEDriver marks failures as successes; their values are NaN, or those of the design
+    # before if they are computed downstream of a seal, whose outputs are NaN
     values = [*model.values(case, OBJECTIVE).values(), *model.values(case, CONSTRAINT).values()]
-    return all(np.isfinite(value).all() for value in values)
+    return all(np.isfinite(value).all() for value in values) and not has_failed_seal(model, case)
 
 
 def _units(model: RecordedModel, case: Case) -> dict[str, str]:

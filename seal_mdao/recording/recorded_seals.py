@@ -15,7 +15,7 @@ from openmdao.utils.array_utils import array_connection_compatible
 from openmdao.utils.units import convert_units
 
 from seal_mdao.recording.recorded_scenarios import RecordedScenarios, read_scenarios
-from seal_mdao.recording.recorder_file import RecordedModel
+from seal_mdao.recording.recorder_file import Case, RecordedModel
 from seal_mdao.seals.seal import SETTINGS_OPTION, Seal
 from seal_mdao.seals.settings import seal_of
 
@@ -152,6 +152,17 @@ def outputs_of_seals(model) -> list[str]:
         if "seal" in component.options
         for name, _ in component.abs_meta_iter("output")
     ]
+
+
+def has_failed_seal(model: RecordedModel, case: Case) -> bool:
+    """Return whether a recorded output of a ``SealGroup`` or ``ScenarioGroup`` is NaN, as after a failed
+    analysis; rows of scenarios that were left out are no failure."""
+    groups = tuple(f"{path}." if path else "" for path in _settings_by_path(model))
+    return any(
+        value.size > 0 and np.isnan(value).all()
+        for name, value in case.outputs.items()
+        if name.startswith(groups)
+    )
 
 
 # ---- inputs at recorded points ----

@@ -318,3 +318,26 @@ def test_offsets_from_an_output_of_another_shape(tmp_path, shape):
     else:
         assert history.design_at(0)[0] == pytest.approx(np.full(25, 0.1))
     write_report(tmp_path / "cases.sql", tmp_path / "report")
+
+
+def test_failed_designs_whose_objective_is_computed_downstream(tmp_path):
+    """It has the value of the design before, and OpenMDAO's DOEDriver writes that all succeeded."""
+    folds = np.concatenate([-np.ones(14), np.ones(11)])
+    cases = [[("seal.boundary_offsets", size * folds)] for size in (0.0, 1.3, 0.1)]
+    prob = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
+    seal = sm.SealGroup(seal=SEAL, measures=("gap_square_sum",))
+    prob.model.add_subsystem("seal", seal)
+    cost = om.ExecComp("cost = 2 * gaps", gaps={"units": "mm**2"})
+    prob.model.add_subsystem("price", cost, promotes_outputs=["cost"])
+    prob.model.connect("seal.gap_square_sum", "price.gaps")
+    prob.model.add_design_var("seal.boundary_offsets")
+    prob.model.add_objective("cost")
+    prob.driver.add_recorder(om.SqliteRecorder(tmp_path / "cases.sql"))
+    prob.driver.recording_options["includes"] = ["*"]
+    prob.setup()
+    prob.run_driver()
+    prob.cleanup()
+    history = read_optimization(tmp_path / "cases.sql")
+    assert history.failed == 1
+    assert history.objective[0] != history.objective[1]
+    assert len(history.objective) == 2
