@@ -31,12 +31,19 @@ class RunOnce(om.NonlinearRunOnce):
     ``group_by_pre_opt_post`` of the problem) keep their values.
     """
 
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self._completed, self._failed = None, False
+
     def solve(self):
         """Run the subsystems."""
+        system = self._system()
+        if self._completed is None:
+            self._completed = system._outputs.asarray(copy=True)
         try:
             super().solve()
         except om.AnalysisError:
-            system = self._system()
+            self._failed = True
             components = system.system_iter(recurse=True, typ=om.ExplicitComponent)
             for component in system._relevance.filter(components):
                 # independent variables are the design, and may not be set again for the next one
@@ -44,6 +51,15 @@ class RunOnce(om.NonlinearRunOnce):
                     for vector in (component._inputs, component._outputs):
                         vector.set_val(np.nan)
             raise
+        self._failed = False
+        if not system.under_complex_step:
+            self._completed = system._outputs.asarray(copy=True)
+
+    def replace_nan(self) -> None:
+        """Set the outputs of the last completed run after one that failed, or the initial ones."""
+        outputs = self._system()._outputs
+        if self._failed and np.isnan(outputs.asarray()).any():
+            outputs.set_val(self._completed)
 
 
 class FailedCases(Driver):

@@ -33,6 +33,14 @@ class DesignGroup(om.Group):
             value, units, _ = seal.scalars[name]
             self.set_input_defaults(name, value, units=units)
 
+    def guess_nonlinear(self, inputs, outputs, residuals, *discrete):
+        """Start an iterative solver of a loop through this group from the last completed analysis.
+
+        The NaN of a failed analysis would return to the inputs of all later designs.
+        """
+        if isinstance(self.nonlinear_solver, RunOnce):
+            self.nonlinear_solver.replace_nan()
+
 
 class SealGroup(DesignGroup):
     """Group that computes the measures of a seal from its design parameters.

@@ -188,3 +188,39 @@ def test_restart_recorder_does_not_mark_scenarios_that_were_left_out(short):
     case = om.CaseReader(problem.get_outputs_dir() / "doe.sql").get_case(0)
     assert problem.get_val("share_failed") == pytest.approx(1.0 / 3.0)
     assert case.success == 1
+
+
+@pytest.mark.parametrize("kind", ["seal", "scenarios"])
+def test_design_after_a_failed_one_in_a_model_with_feedback(short, kind):
+    """The NaN of the failed design are not the values from which the solver of the loop starts."""
+    options = {"seal": short, "parameters": ("c10",), "measures": ("reaction",)}
+    if kind == "seal":
+        group, force = sm.SealGroup(**options), "seal.reaction"
+    else:
+        friction = sm.Scenarios((sm.Variation("friction"),), np.array([[0.2]]))
+        group = sm.ScenarioGroup(**options, scenarios=friction, workers=0)
+        force = "seal.reaction_highest"
+    cases = [[("seal.boundary_offsets", design(size))] for size in (1.3, 0.1, 1.3, 0.05)]
+    problem = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
+    stiffening = om.ExecComp(
+        "c10 = 80 + 0.01 * force", c10={"units": "kPa"}, force={"units": "N/m"}
+    )
+    problem.model.add_subsystem("stiffening", stiffening)
+    problem.model.add_subsystem("seal", group)
+    problem.model.connect("stiffening.c10", "seal.c10")
+    problem.model.connect(force, "stiffening.force", src_indices=[1])
+    problem.model.nonlinear_solver = om.NonlinearBlockGS(iprint=-1, rtol=1e-9)
+    problem.model.add_design_var("seal.boundary_offsets")
+    problem.model.add_objective(force, index=1)
+    problem.driver.add_recorder(om.SqliteRecorder("doe.sql"))
+    problem.setup()
+    problem.run_driver()
+    problem.cleanup()
+    reader = om.CaseReader(problem.get_outputs_dir() / "doe.sql")
+    found = [case[force][1] for case in reader.get_cases("driver")]
+    assert np.isnan(found).tolist() == [True, False, True, False]
+    # the last design alone
+    problem.setup()
+    problem.set_val("seal.boundary_offsets", design(0.05))
+    problem.run_model()
+    assert found[-1] == pytest.approx(problem.get_val(force)[1], rel=1e-7)
