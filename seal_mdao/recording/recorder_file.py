@@ -80,15 +80,31 @@ class RecordedModel:
         """Return the flat values of the driver's variables of one kind, in their declared units."""
         found = {}
         for name, settings in self.variables.items():
-            # a variable may be objective and constraint at once
             source = settings["source"]
-            if kind not in self.kinds[source] or source not in case.outputs:
+            if kind not in self._kinds_of(settings) or source not in case.outputs:
                 continue
             value = case.outputs[source].ravel()
             if settings["indices"] is not None:
                 value = value[settings["indices"]].ravel()
             found[name] = convert_units(value, self.units[source], settings["units"])
         return found
+
+    def _kinds_of(self, settings: dict) -> set[str]:
+        """Return the kinds of one of the driver's variables by its settings.
+
+        The same output may be a constraint under an alias as well. A design variable that is a
+        constraint without alias has the settings of the constraint only.
+        """
+        if "equals" not in settings:
+            return {_kind_without_equals(settings)}
+        source = settings["source"]
+        own = {
+            _kind_without_equals(other)
+            for other in self.variables.values()
+            if other["source"] == source and "equals" not in other
+        }
+        replaced = DESIGN in self.kinds[source] and DESIGN not in own
+        return {CONSTRAINT, DESIGN} if replaced else {CONSTRAINT}
 
 
 def open_model(path) -> RecordedModel:
@@ -147,6 +163,11 @@ def read_model(database: PlainDatabase) -> RecordedModel:
         driver=viewer.get("driver") or {},
         options=_text_options(viewer["tree"]) if viewer else {},
     )
+
+
+def _kind_without_equals(settings: dict) -> str:
+    """Return whether settings are those of a design variable, which has bounds, or of an objective."""
+    return DESIGN if "lower" in settings else OBJECTIVE
 
 
 def _shape(found) -> tuple | None:

@@ -341,3 +341,39 @@ def test_failed_designs_whose_objective_is_computed_downstream(tmp_path):
     assert history.failed == 1
     assert history.objective[0] != history.objective[1]
     assert len(history.objective) == 2
+
+
+def test_outputs_that_are_constraints_as_well(tmp_path):
+    """Objective and constraint on entries of one output, and design variables with constraints."""
+    prob = om.Problem(
+        driver=om.DOEDriver(om.ListGenerator([[("x", 3.0), ("z", 2.0)]])), reports=None
+    )
+    comp = om.ExecComp("y = x * w", x={"units": "m"}, y={"shape": 3, "units": "m"}, w=np.arange(3))
+    prob.model.add_subsystem("product", comp, promotes=["*"])
+    prob.model.add_subsystem("other", om.ExecComp("a = 2 * z"), promotes=["*"])
+    prob.model.add_design_var("x", lower=-5.0, upper=900.0, units="cm")
+    prob.model.add_design_var("z", lower=-4.0)
+    prob.model.add_objective("y", index=1, units="mm")
+    prob.model.add_constraint("y", indices=[0, 2], upper=0.02, units="km", alias="limited")
+    prob.model.add_constraint("x", lower=10.0, units="mm", alias="least")
+    prob.model.add_constraint("z", upper=1.5)
+    prob.driver.add_recorder(om.SqliteRecorder(tmp_path / "cases.sql"))
+    prob.setup()
+    prob.run_driver()
+    prob.cleanup()
+    history = read_optimization(tmp_path / "cases.sql")
+    # x = 3 cm
+    assert history.objective_name == "y"
+    assert history.objective == pytest.approx([30.0])
+    assert {name: own.item() for name, own in history.design.items()} == {"x": 3.0, "z": 2.0}
+    assert history.bounds["x"] == ([-5.0], [900.0])
+    found = {own.name: (own.values.item(), own.lower, own.upper) for own in history.constraints}
+    expected = {
+        "limited[0]": (0.0, -np.inf, 0.02),
+        "limited[1]": (6e-5, -np.inf, 0.02),
+        "least": (30.0, 10.0, np.inf),
+        "z": (2.0, -np.inf, 1.5),
+    }
+    assert found.keys() == expected.keys()
+    for name, values in expected.items():
+        assert found[name] == pytest.approx(values)
