@@ -62,6 +62,22 @@ class RunOnce(om.NonlinearRunOnce):
             outputs.set_val(self._completed)
 
 
+class UnchangedByResiduals(om.ExplicitComponent):
+    """Component whose outputs are unchanged if its residuals cannot be computed.
+
+    Line searches of ``NewtonSolver`` (option ``retry_on_analysis_error``) shorten the step after an
+    ``AnalysisError``, and begin from the outputs as they were.
+    """
+
+    def _apply_nonlinear(self):
+        before = self._outputs.asarray(copy=True)
+        try:
+            super()._apply_nonlinear()
+        except om.AnalysisError:
+            self._outputs.set_val(before)
+            raise
+
+
 class FailedCases(Driver):
     """Mixin of a driver that marks the recorded case of a failed analysis.
 

@@ -1,13 +1,13 @@
 """Options and inputs common to several components."""
 
 import numpy as np
-import openmdao.api as om
 
 from seal_mdao import values
 from seal_mdao.analysis_cache import MOST_MEMORY, AnalysisCache
 from seal_mdao.components.failures import admissible_design
 from seal_mdao.dsa.sensitivity import METHODS
 from seal_mdao.measures.measure import Measure
+from seal_mdao.openmdao_access import UnchangedByResiduals
 from seal_mdao.seals.result import FACTOR_MEMORY
 from seal_mdao.seals.seal import Seal
 
@@ -125,7 +125,7 @@ def _may_decrease(seal: Seal, name: str, step: float) -> bool:
     return True
 
 
-class OffsetsComp(om.ExplicitComponent):
+class OffsetsComp(UnchangedByResiduals):
     """Base class of components whose only input is ``boundary_offsets``; complex step works as well.
 
     Without design parameters there is no input, and the outputs are constant. Inadmissible offsets

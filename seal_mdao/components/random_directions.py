@@ -1,14 +1,15 @@
 """Base component with checks of dense partials along random directions, for slow evaluations."""
 
 import numpy as np
-import openmdao.api as om
+
+from seal_mdao.openmdao_access import UnchangedByResiduals
 
 SMALLEST = 0.3
 """Least amount of the random numbers in -1 to 1 along scalar inputs: smaller ones leave differences
 dominated by rounding. With k inputs no more than 1/k, so that few draws suffice."""
 
 
-class RandomDirectionsComp(om.ExplicitComponent):
+class RandomDirectionsComp(UnchangedByResiduals):
     """Compare partials with differences along random directions in ``check_partials``.
 
     With ``directional=True`` OpenMDAO uses the direction of all ones, unless a component is matrix

@@ -54,6 +54,7 @@ class RkpmContactComp(RandomDirectionsComp):
         check_parameters(seal, self.options["parameters"])
         cache = self.options["cache"]
         self._failed = self._result = None
+        self._reason = ""
         self._reported = set()
         self._on_axis = (seal.nominal_particles[:, 0] == 0.0) & seal.body.axisymmetric
         # a cache without memory still holds the newest analysis, with its factors
@@ -98,7 +99,11 @@ class RkpmContactComp(RandomDirectionsComp):
                 outputs[name] = np.nan
             if isinstance(error, om.AnalysisError):
                 self._failed = _bytes(inputs)
+                # NaN particles follow a failure; its own reason is kept
+                if not np.isnan(inputs["particles"]).all():
+                    self._reason = str(error)
             raise
+        self._reason = ""
         for name, value in values.items():
             outputs[name] = value
         # the checks of the state are part of require_possible and cached: they cost nothing here
@@ -141,7 +146,7 @@ class RkpmContactComp(RandomDirectionsComp):
         values = {name: float(inputs[name][0]) for name in self._parameters}
         with admissible_design():
             seal = self.options["seal"].with_parameters(values)
-            _check_finite(inputs["particles"])
+            _check_finite(inputs["particles"], self._reason)
         particles = inputs["particles"]
         if self._on_axis.any():
             particles = particles.copy()
@@ -158,8 +163,12 @@ class RkpmContactComp(RandomDirectionsComp):
         return result
 
 
-def _check_finite(particles) -> None:
+def _check_finite(particles, reason: str) -> None:
+    """Raise ValueError for particles that are not finite, with the reason of an earlier failure."""
     bad = np.flatnonzero(~np.isfinite(particles).all(axis=1))
+    # NewtonSolver ignores a failure in its subsystems and evaluates their residuals after it
+    if reason and np.isnan(particles).all():
+        raise ValueError(f"the particles are NaN, as after the last failed analysis: {reason}")
     if bad.size:
         x, y = particles[bad[0]]
         raise ValueError(f"particles[{bad[0]}] = ({x}, {y}) is not finite")

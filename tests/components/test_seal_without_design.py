@@ -117,3 +117,39 @@ def test_recorded_optimisation_has_pictures(seal, tmp_path, scenarios):
     text = write_report(tmp_path / "cases.sql").read_text(encoding="utf-8")
     data = json.loads(re.search(r'id="report-data">(.*?)</script>', text, re.DOTALL)[1])
     assert len(data["seals"]) == 1
+
+
+def balanced(seal, subsystems, retry):
+    """Return a problem that finds the position of the lid at which its force is 6 kN/m.
+
+    The first step of Newton's method is too long: the material would be inverted.
+    """
+    prob = om.Problem(reports=None)
+    balance = om.BalanceComp("y", units="mm", eq_units="N/m", rhs_val=6000.0, lhs_name="force")
+    prob.model.add_subsystem("balance", balance)
+    prob.model.add_subsystem("block", sm.SealGroup(seal=seal, parameters=("lid_y",)))
+    prob.model.connect("balance.y", "block.lid_y")
+    prob.model.connect("block.reaction", "balance.force")
+    solver = om.NewtonSolver(solve_subsystems=subsystems, iprint=-1, atol=1e-8, rtol=1e-10)
+    solver.linesearch = om.ArmijoGoldsteinLS(retry_on_analysis_error=True) if retry else None
+    prob.model.nonlinear_solver, prob.model.linear_solver = solver, om.DirectSolver()
+    prob.setup()
+    prob.set_val("balance.y", 0.0)
+    return prob
+
+
+@pytest.mark.parametrize("subsystems", [False, True])
+def test_line_search_shortens_the_step_after_a_failed_analysis(seal, subsystems):
+    prob = balanced(seal, subsystems, retry=True)
+    prob.run_model()
+    result = sm.analyze(seal, None, {"lid_y": prob.get_val("balance.y").item()})
+    assert result.value(result.measure("reaction")) == pytest.approx([6000.0])
+    assert prob.get_val("block.reaction") == pytest.approx([6000.0])
+
+
+def test_reason_of_a_failure_that_newtons_method_ignores(seal):
+    prob = balanced(seal, subsystems=True, retry=False)
+    for _ in range(2):
+        with pytest.raises(om.AnalysisError, match="must not be used: the edge 'left'") as caught:
+            prob.run_model()
+        assert str(caught.value).count("the particles are NaN") == 1
