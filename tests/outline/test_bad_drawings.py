@@ -155,6 +155,17 @@ def boxes(*squares, layers=("seal", "hole", "other")):
 
 ARCH = [(0, 0), (1, 4), (3, 4), (4, 0)]
 CLAMPED = [0, 0, 0, 0, 1, 1, 1, 1]
+
+
+def _circle_twice(folder):
+    """With other first points, so that no ends of the two circles meet."""
+    drawing = Drawing(folder).box()
+    drawing.model.add_circle((5, 5), 2, {"layer": "hole"})
+    halves = [(5, 3, 1.0), (5, 7, 1.0)]
+    drawing.model.add_lwpolyline(halves, "xyb", close=True, dxfattribs={"layer": "other"})
+    return drawing.saved()
+
+
 BAD = {
     "no file": (lambda folder: folder / "drawing.dxf", "there is no such drawing"),
     "a folder": (lambda folder: folder, "there is no such drawing"),
@@ -249,6 +260,7 @@ BAD = {
         "crosses the outer contour of body 2, edge 'hole', at (10, ",
     ),
     "holes overlap": (boxes((10, (0, 0)), (3, (2, 2)), (3, (4, 4))), "crosses hole 2, edge 'other'"),
+    "a circle twice": (_circle_twice, "hole 1, edge 'other', crosses the outer contour of"),
     "one layer": (
         boxes((10, (0, 0)), (5, (2, 2)), layers=("seal", "seal")),
         "the edge 'seal' is on the outer contour and on hole 1; an edge must be one connected",

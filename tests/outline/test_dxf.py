@@ -94,6 +94,25 @@ def test_what_is_not_shown_is_passed_over(tmp_path):
     assert read_dxf(drawing.saved()).area == 100.0
 
 
+def test_a_frozen_layer_hides_the_complete_block(tmp_path):
+    """As in CAD programs; a layer that is off hides only what is on it."""
+    drawing = Drawing(tmp_path).box()
+    drawing.document.blocks.new("VARIANT").add_circle((5, 5), 1.0, {"layer": "second"})
+    drawing.model.add_blockref("VARIANT", (0, 0), {"layer": "other"})
+    layer = drawing.document.layers.add("other")
+    layer.freeze()
+    assert read_dxf(drawing.saved()).area == 100.0
+    layer.thaw()
+    layer.off()
+    assert read_dxf(drawing.saved()).area == pytest.approx(100.0 - np.pi, rel=1e-12)
+
+
+def test_hidden_entities_are_passed_over(tmp_path):
+    drawing = Drawing(tmp_path).box()
+    drawing.model.add_circle((5, 5), 1.0, {"layer": "second", "invisible": 1})
+    assert read_dxf(drawing.saved()).area == 100.0
+
+
 def spline_section(tmp_path, control, degree, knots, weights=()):
     """A spline from (0, 0) to (10, 0) above a line."""
     drawing = Drawing(tmp_path)

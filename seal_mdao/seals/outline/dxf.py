@@ -185,8 +185,11 @@ def _nested(contours) -> Outline:
     around = nearest_around([c.polyline(SAGITTA * c.length)[0] for c in contours])
     # even depth: outer contour of a body, odd depth: hole
     depth = []
-    for outer in around:  # smaller ones come later
-        depth.append(0 if outer is None else 1 + depth[outer])
+    for outer in around:
+        depth.append(0)
+        while outer is not None:
+            depth[-1] += 1
+            outer = around[outer]
     bodies = [
         c.reversed() if c.area < 0.0 else c
         for c, d in zip(contours, depth, strict=True)

@@ -67,7 +67,8 @@ def sorted_entities(document, ignore: Iterable[str] = ()) -> Sorted:
 
     Left out are annotation (``ANNOTATION``, centre lines), the layers ``ignore``, and blocks without
     layers of their own on layers that otherwise hold annotation only: symbols. Layers that are off or
-    frozen are not looked at. Layers are compared without regard to case, as CAD programs do.
+    frozen, hidden entities, and block references on frozen layers with all that they hold are not
+    looked at. Layers are compared without regard to case, as CAD programs do.
 
     Raises
     ------
@@ -108,8 +109,13 @@ def _placed(document):
 def _resolved(document, placed: Placed, depth: int):
     """Yield an entity, or what the block holds that it refers to."""
     entity = placed.entity
+    if entity.dxf.get("invisible", 0):
+        return
     if entity.dxftype() != "INSERT":
         yield placed
+        return
+    # a frozen layer hides the complete reference, a layer that is off only what is on it
+    if _frozen(document, placed.layer):
         return
     block = entity.dxf.get("name", "")
     if depth > DEEPEST:
@@ -140,8 +146,12 @@ def _shown(document, name: str) -> bool:
     """Return whether a layer is on and not frozen; one without an entry is."""
     if name not in document.layers:
         return True
-    layer = document.layers.get(name)
-    return layer.is_on() and not layer.is_frozen()
+    return document.layers.get(name).is_on() and not _frozen(document, name)
+
+
+def _frozen(document, name: str) -> bool:
+    """Return whether a layer is frozen; one without an entry is not."""
+    return name in document.layers and document.layers.get(name).is_frozen()
 
 
 def _is_annotation(document, placed: Placed) -> bool:
