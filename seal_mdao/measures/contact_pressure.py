@@ -74,7 +74,8 @@ class ContactWidth(Measure):
         return contact_fractions(gap[on], line.length, modulus[on], law.normal_penalty)
 
     def add_length(self, result, line, ends: ContactFractions, chosen, partials) -> float:
-        """Compute the length in contact of the ``chosen`` segments (k - 1,), and add its derivatives."""
+        """Compute the length in contact of segments with the factors ``chosen`` (k - 1,), and add its
+        derivatives."""
         term, modulus = result.term(self.profile), ContactModulus(result, self.profile)
         order, length = line.stretch, line.length * chosen
         on_gap = partials.output(self.profile, "gap")[0]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from seal_mdao import values
-from seal_mdao.measures.boundary_line import BoundaryLine, add_deformed_seeds, ordered_points
+from seal_mdao.measures.boundary_line import BoundaryLine, ordered_points
 from seal_mdao.measures.contact_pressure import ContactWidth, PointPressures
 from seal_mdao.measures.measure import Measure
 
@@ -14,11 +14,12 @@ from seal_mdao.measures.measure import Measure
 class LongestContact(Measure):
     """Deformed length of the longest connected part of a contact with true pressures above a limit.
 
-    The pressure is taken as linear between a contact point above the limit and one below it. With the
-    limit 0 the part ends as ``ContactWidth`` does. The value jumps only where two parts join or one
-    divides, by the length of the shorter one. The derivative jumps where another part becomes the
-    longest and, for limits above 0, where an end passes a contact point or a point beside an end opens
-    or closes.
+    The pressure is taken as linear between a contact point above the limit and one below it, or the end
+    of the contact as of ``ContactWidth``, where it is zero. With the limit 0 the part therefore ends as
+    ``ContactWidth`` does, and a higher limit gives no longer part. The value jumps only where two parts
+    join or one divides, by the length of the shorter one. The derivative jumps where another part
+    becomes the longest and, for limits above 0, where an end passes a contact point or a point beside
+    an end opens or closes.
 
     Attributes
     ----------
@@ -51,25 +52,22 @@ class LongestContact(Measure):
         order = ordered_points(points.term.where)
         excess, closed = points.value[order] - self.pressure, order[0] == order[-1]
         line = BoundaryLine(points.term.where, order, result.deformed())
-        if self.pressure == 0.0:
-            ends = ContactWidth(self.profile).ends(result, line)
-            chosen = longest_part(excess > 0.0, line.length * ends.fraction, closed)
-            return ContactWidth(self.profile).add_length(result, line, ends, chosen, partials)
+        width = ContactWidth(self.profile)
+        ends = width.ends(result, line)
         fraction, by_first, by_second = fractions_above(excess)
-        chosen = longest_part(excess > 0.0, line.length * fraction, closed)
-        # l = sum_k L_k phi_k(p_k, p_(k+1)) over the segments k of the longest part
-        length, on_pressure = line.length * chosen, np.zeros(points.value.size)
+        part = longest_part(excess > 0.0, line.length * ends.fraction * fraction, closed)
+        # l = sum_k L_k phi_k f_k over the segments k of the longest part: phi_k the fraction of the
+        # segment in contact, f_k the part of that with a pressure above the limit. dl at constant f_k
+        total = width.add_length(result, line, ends, part * fraction, partials)
+        # dl/df_k = L_k phi_k,  f_k(p_k, p_(k+1))
+        length, on_pressure = line.length * ends.fraction * part, np.zeros(points.value.size)
         np.add.at(on_pressure, order[:-1], length * by_first)
         np.add.at(on_pressure, order[1:], length * by_second)
         points.add_partials(partials, 0, on_pressure)
         # p is proportional to w_n:  dl/dw_n = sum_i p_i dl/dp_i / w_n
         by_penalty = on_pressure @ points.value / points.penalty
         partials.parameter(points.term.names[0])[0] += by_penalty
-        # dl/dL_k = phi_k, by way of the deformed particles
-        on_line = np.zeros_like(result.particles)
-        line.add_partials(fraction * chosen, on_line)
-        add_deformed_seeds(partials, 0, on_line)
-        return length @ fraction
+        return total
 
 
 def fractions_above(excess: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

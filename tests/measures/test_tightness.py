@@ -7,6 +7,7 @@ import pytest
 from quotients import quotients
 
 import seal_mdao as sm
+from seal_mdao.measures.boundary_line import BoundaryLine
 from seal_mdao.measures.contact_integral import PressureCentre, PressureIntegral
 from seal_mdao.measures.contact_pressure import ContactWidth, PointPressures
 from seal_mdao.measures.longest_contact import LongestContact, fractions_above, longest_part
@@ -73,16 +74,34 @@ def test_longest_part_of_the_contact(result):
 
 
 def test_longest_part_above_a_pressure(result):
-    """Against samples of the pressure that is linear between the deformed contact points."""
+    """Against samples of the pressure that is linear between the deformed contact points and the ends
+    of the contact, where it is zero."""
     (pressure, _), term = points(result), result.term("door")
-    edges = np.diff(term.where.points.at(result.deformed()), axis=0)
-    along = np.append(0.0, np.cumsum(np.hypot(*edges.T)))
+    x = term.where.points.at(result.deformed())
+    line = BoundaryLine(term.where, np.arange(len(x)), result.deformed())
+    fraction = ContactWidth("door").ends(result, line).fraction
+    along = np.append(0.0, np.cumsum(line.length))
+    inside = np.flatnonzero((fraction > 0.0) & (fraction < 1.0))
+    assert inside.size == 4
+    first = pressure[inside] > 0.0
+    away = np.where(first, fraction[inside], 1.0 - fraction[inside])
+    end = along[inside] + away * line.length[inside]
+    place, value_there = np.append(along, end), np.append(pressure, np.zeros(4))
+    order = place.argsort()
     fine = np.linspace(0.0, along[-1], 400_001)
-    above = np.interp(fine, along, pressure) > 15.0
+    above = np.interp(fine, place[order], value_there[order]) > 15.0
     ends = np.flatnonzero(np.diff(above))
     assert not above[[0, -1]].any()
     longest = np.diff(fine[ends])[::2].max()
     assert value(result, ABOVE) == pytest.approx(longest, abs=2.5 * fine[1])
+
+
+def test_a_higher_limit_gives_no_longer_part(result):
+    """From the limit 0 on, where the part is a contact region with the ends of the contact width."""
+    limits = (0.0, 1e-9, 0.3, 1.0, 3.0, 8.0, 15.0, 20.0)
+    longest = [value(result, LongestContact("door", own)) for own in limits]
+    assert longest[1] == pytest.approx(longest[0], rel=1e-9)
+    assert (np.diff(longest[1:]) < 0.0).all()
 
 
 def test_ends_on_a_linear_pressure():
