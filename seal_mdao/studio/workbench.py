@@ -208,7 +208,7 @@ class Workbench:
         self.result, self.rates, self.fine = result, None, self._grid(result)
         try:
             return self._state(step) | {"design": list(map(float, design))}
-        except ValueError:
+        except (LoadPathError, ValueError):
             # the page keeps the pictures of the last result
             self.result, self.rates, self.fine = before
             raise

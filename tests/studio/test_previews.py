@@ -120,6 +120,20 @@ def test_a_design_whose_measure_has_no_value_leaves_the_pictures_of_the_last_one
     assert bench.view(7) == before["frame"]
 
 
+def test_a_travel_that_is_not_reached_leaves_the_pictures_of_the_last_design(tmp_path):
+    text = TEXT.replace(
+        "[[measure]]", '[[measure]]\ntype = "reaction"\ntravel = 1.6\n[[measure]]', 1
+    )
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    before, design = bench.analyze(bench.start()), bench.start()
+    (travel,) = [p for p, own in enumerate(bench.numbers) if own.name == "plate_stage_1_y"]
+    design[travel] = -1.5
+    with pytest.raises(sm.LoadPathError, match=r"needs the force at 1\.6 mm of travel"):
+        bench.analyze(design)
+    assert bench.view(5) == before["frame"]
+    assert bench.first_order() is not None
+
+
 VENTED = """\
 [[cavity]]
 hole = 1
