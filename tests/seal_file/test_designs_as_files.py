@@ -216,6 +216,10 @@ def test_a_mesh_from_elsewhere_makes_a_seal(tmp_path):
     assert sm.analyze(other).converged
 
 
+def _quads(mesh):
+    return next(own.data for own in mesh.cells if own.type == "quad")
+
+
 BAD = {
     "a particle beside the drawing": (
         lambda mesh: mesh.points.__setitem__((mesh.points[:, 1].argmax(), 1), 14.0 + 2e-6),
@@ -234,6 +238,14 @@ BAD = {
     "tetrahedra": (
         lambda mesh: mesh.cells.append(type(mesh.cells[0])("tetra", np.array([[0, 1, 2, 3]]))),
         ("cells of the type 'tetra'",),
+    ),
+    "a cell twice": (
+        lambda mesh: mesh.cells.append(type(mesh.cells[0])("quad", _quads(mesh)[3:4])),
+        ("cells of the mesh overlap or occur twice beside (",),
+    ),
+    "all cells twice, the other way round": (
+        lambda mesh: mesh.cells.append(type(mesh.cells[0])("quad", _quads(mesh)[:, ::-1])),
+        ("cells of the mesh overlap or occur twice beside (",),
     ),
 }
 

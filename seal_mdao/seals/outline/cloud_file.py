@@ -15,6 +15,7 @@ from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
 from seal_mdao.seals.outline.contours import Outline
 from seal_mdao.seals.outline.sampling import located
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
+from seal_mdao.seals.outline.segments import pair
 
 FIRST, SUPPORT, AXES = "first_place", "support_radius", "support_axes"
 """Names of point data."""
@@ -86,7 +87,7 @@ def read_cloud(path, outline: Outline) -> OutlineCloud:
     try:
         mesh = _mesh(path)
         particles, cells, used = _cells(mesh)
-        loops, boundaries = _matched(outline, particles, _loops(cells))
+        loops, boundaries = _matched(outline, particles, _loops(cells, particles))
         # data are stored for all points of the file: select those that cells use
         first, support, axes = (
             None if data is None else np.asarray(data, float)[used]
@@ -163,11 +164,19 @@ def _counter_clockwise(cells, points):
     return np.where((area > 0.0)[:, None], cells, turned)
 
 
-def _loops(cells) -> list[np.ndarray]:
+def _loops(cells, particles) -> list[np.ndarray]:
     """Trace the boundaries of the cells as loops of particles, the material on the left."""
     following = {}
     sides = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
-    every = {(a, b) for a, b in sides.tolist() if a != b}
+    sides, count = np.unique(sides[sides[:, 0] != sides[:, 1]], axis=0, return_counts=True)
+    # of counter-clockwise cells each has a side in its direction alone, unless they overlap
+    if (count > 1).any():
+        middle = particles[sides[count.argmax()]].mean(axis=0)
+        raise GeometryError(
+            f"cells of the mesh overlap or occur twice beside {pair(middle)}; write every cell once "
+            "(Gmsh writes a cell once for each physical group that contains it)"
+        )
+    every = set(map(tuple, sides.tolist()))
     for a, b in every:
         # a directed side without its opposite is on the boundary; two from one particle: touching parts
         if (b, a) not in every and following.setdefault(a, b) != b:
