@@ -165,9 +165,10 @@ def _at(tables, path):
 
 def _of_motions(file: SealFile, tables: dict, seal: Seal) -> Iterator[Adjustable]:
     size = float(np.ptp(seal.nominal_particles, axis=0).max())
-    for table in MOVING:
+    for table, read in zip(MOVING, (file.profiles, file.moved), strict=True):
         for i, row in enumerate(tables.get(table, ())):
-            name = row["name"]
+            # that of moved edges may be left out
+            name = read[i].name
             if table == "profile":
                 path = (table, i, "friction")
                 friction = _at(tables, path)

@@ -85,6 +85,27 @@ def test_numbers_of_other_files(tmp_path, old, new, name, value):
     assert np.abs(result.reaction - force).max() <= AGREEMENT * np.abs(force).max()
 
 
+def test_a_file_with_moved_edges_that_have_no_name(tmp_path):
+    """Their name is that of their first edge."""
+    first, last = TEXT.index("[[profile]]"), TEXT.index("[[measure]]")
+    bonded = '[[moved]]\nedges = ["top"]\nstage = [{ translate = [0.0, -0.5], steps = 3 }]\n'
+    text = (TEXT[:first] + bonded + TEXT[last:]).replace("contact_width", "strain_energy")
+    side = 'edge = "bulb", line = [[5.0, 5.0], [5.0, 10.0]]'
+    text = text.replace(
+        'edge = "bulb", arc = { start = [5.0, 5.0], through = [0.0, 10.0], end = [-5.0, 5.0] }',
+        f'{side} }},\n  {{ edge = "top", line = [[5.0, 10.0], [-5.0, 10.0]] }},\n  '
+        '{ edge = "left", line = [[-5.0, 10.0], [-5.0, 5.0]]',
+    ).replace('edge = "bulb", line = [[-5.0, 5.0]', 'edge = "left", line = [[-5.0, 5.0]')
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    names = [own.name for own in bench.numbers if not own.name.startswith("boundary")]
+    assert names == ["top_stage_1_x", "top_stage_1_y", "c10", "c01"]
+    design = changed(bench, top_stage_1_y=-0.6, c10=250.0)
+    state = bench.analyze(design)
+    result = sm.analyze(sm.build_seal(save_design(bench, design, tmp_path, "mine")[0]))
+    energy = state["measures"]["strain_energy"]
+    assert result.strain_energy == pytest.approx(energy, rel=AGREEMENT)
+
+
 def test_a_profile_moved_into_the_section_is_saved_with_its_interference(bench, tmp_path):
     design = changed(bench, plate_y=9.9, plate_angle=1.0)
     design[:4] = [0.05, -0.1, 0.1, 0.05]
