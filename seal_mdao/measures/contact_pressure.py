@@ -17,6 +17,7 @@ from seal_mdao.measures.boundary_line import (
     ContactFractions,
     add_deformed_seeds,
     contact_fractions,
+    is_closed,
     ordered_points,
 )
 from seal_mdao.measures.contact_modulus import ContactModulus
@@ -106,7 +107,7 @@ class ContactPressure(Measure):
     profile : str
     patches : tuple of tuple of int, or None
         Contact points of every patch; None for all contact points, divided at the middle of the open
-        region of the nominal seal.
+        parts between the contact regions of the nominal seal.
     order : int
         Of the Lehmer mean.
     nominal : bool
@@ -134,7 +135,8 @@ class ContactPressure(Measure):
         return self.patches is None
 
     def frozen(self, nominal):
-        found = contact_patches(nominal.response(self.profile).state)
+        closed = is_closed(nominal.term(self.profile).where)
+        found = contact_patches(nominal.response(self.profile).state, closed)
         return replace(self, patches=tuple(tuple(int(p) for p in patch) for patch in found))
 
     def on_refined(self, fine, particles):

@@ -61,11 +61,18 @@ def open_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
     return between[state[between] == OPEN]
 
 
-def contact_patches(state: np.ndarray) -> tuple:
-    """Divide the contact points at the middle of the open region; one patch without an open region."""
-    everywhere, opened = np.arange(state.size), open_points(state)
-    if opened.size == 0:
-        return (everywhere,)
-    # the open point in the middle divides the boundary into two patches
-    middle = opened[opened.size // 2]
-    return everywhere[:middle], everywhere[middle:]
+def contact_patches(state: np.ndarray, closed: bool = False) -> tuple:
+    """Divide the contact points into a patch for every contact region, at the middle of the open parts
+    between them; one patch of all points with fewer than two regions."""
+    touching, every = state != OPEN, np.arange(state.size)
+    between = contact_range(touching, closed)
+    # open runs between two regions, from their first point to the point after their last one
+    change = np.flatnonzero(np.diff(touching[between])) + 1
+    if change.size == 0:
+        return (every,)
+    first, after = change[::2], change[1::2]
+    cuts = between[(first + after) // 2]
+    if closed:
+        # the points begin at the middle of the longest open part, which is not between the regions
+        every = np.roll(every, -(between[-1] + 1 + (state.size - between.size) // 2))
+    return tuple(np.split(every, np.flatnonzero(np.isin(every, cuts))))

@@ -7,6 +7,7 @@ from html import escape
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.recording.recorded_optimization import (
     FEASIBLE,
     RecordedOptimization,
@@ -282,14 +283,17 @@ def _at_profile(result: SealResult, contact, history) -> dict:
         "contact points in contact": ("", int(touching.sum())),
         "width in contact, deformed": ("mm", float(history.width[-1])),
         "width in contact, nominal (undeformed)": ("mm", float(history.nominal_width[-1])),
-        "patches in contact": ("", patches(touching)),
+        "patches in contact": ("", patches(touching, is_closed(contact.where))),
         "highest contact pressure, true (force over deformed length)": ("kPa", float(true.max())),
         "highest contact pressure, nominal (over undeformed length)": ("kPa", float(nominal.max())),
         "deepest penetration": ("mm", max(0.0, -float(last.gap.min()))),
     } | forces
 
 
-def patches(touching: np.ndarray) -> int:
-    """Count the groups of consecutive points in contact."""
-    # each begins with a step from 0 to 1
-    return int(np.sum(np.diff(np.concatenate([[False], touching]).astype(int)) == 1))
+def patches(touching: np.ndarray, closed: bool) -> int:
+    """Count the groups of consecutive points in contact, on a ``closed`` boundary also across its
+    first point."""
+    # each begins at a point in contact behind an open one
+    before = np.roll(touching, 1)
+    before[0] &= closed
+    return int(np.sum(touching & ~before)) or int(touching.any())

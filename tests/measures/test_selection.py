@@ -7,7 +7,12 @@ from round_tip import PRESSED_TIP
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
 from seal_mdao.measures.contact_pressure import points_around_peak
-from seal_mdao.measures.selection import boundary_peaks, local_maxima, open_points
+from seal_mdao.measures.selection import (
+    boundary_peaks,
+    contact_patches,
+    local_maxima,
+    open_points,
+)
 from seal_mdao.seals.door.door_seal import STANDARD, options_of
 from seal_mdao.seals.profiles import contact_counts
 from seal_mdao.seals.result import analyze_particles
@@ -69,6 +74,26 @@ def test_opened_points_lie_between_the_first_and_the_last_in_contact(state, expe
 )
 def test_on_a_closed_boundary_the_longest_open_part_is_outside(state, expected):
     np.testing.assert_array_equal(open_points(np.array(state), closed=True), expected)
+
+
+@pytest.mark.parametrize(
+    ("state", "closed", "expected"),
+    [
+        ("-+-", False, ["012"]),
+        ("---", True, ["012"]),
+        ("-+---+-", False, ["012", "3456"]),
+        ("+-+--+", False, ["0", "123", "45"]),
+        # a region across the first point of a closed boundary is one region
+        ("++---+", True, ["012345"]),
+        ("+--+----+", True, ["67801", "2345"]),
+        ("-+-+---", True, ["601", "2345"]),
+    ],
+)
+def test_every_contact_region_has_its_patch(state, closed, expected):
+    """Of points in contact (+) and open ones (-); their numbers as digits."""
+    states = np.array([STICK if sign == "+" else OPEN for sign in state])
+    found = contact_patches(states, closed)
+    assert ["".join(map(str, own)) for own in found] == expected
 
 
 def test_points_of_the_drawn_seal(nominal, drawn_model):

@@ -181,8 +181,11 @@ def test_numbers_for_reading(value, text):
 
 
 def test_patches():
-    for touching, count in (([0, 0], 0), ([1, 1], 1), ([1, 0, 1], 2), ([0, 1, 1, 0, 1, 0], 2)):
-        assert tables.patches(np.array(touching, bool)) == count
+    for touching, closed, count in (
+        ([0, 0], False, 0), ([0, 0], True, 0), ([1, 1, 0, 1], False, 2), ([0, 1, 1, 0], True, 1),
+        ([1, 1, 0, 1], True, 1), ([1, 0, 1, 0], True, 2), ([1, 1], True, 1), ([1, 1], False, 1),
+    ):  # fmt: skip
+        assert tables.patches(np.array(touching, bool), closed) == count
 
 
 def test_end_of_the_run_is_told_as_it_was(seal_page, tmp_path):
