@@ -218,10 +218,11 @@ class PeakPressure(ContactPressure):
         return own.evaluate(result, partials)
 
 
-def points_around_peak(gap: np.ndarray) -> np.ndarray:
-    """Find the consecutive contact points with gap < 0 around the deepest one, indices (k,)."""
+def points_around_peak(gap: np.ndarray, closed: bool) -> np.ndarray:
+    """Find the consecutive contact points with gap < 0 around the deepest one, indices (k,); on a
+    ``closed`` boundary they may pass its first point."""
     # a closed boundary begins at an open point
-    first = int((gap >= 0.0).argmax())
+    first = int((gap >= 0.0).argmax()) if closed else 0
     gap = np.roll(gap, -first)
     opened, deepest = np.flatnonzero(gap >= 0.0), int(gap.argmin())
     if gap[deepest] >= 0.0:
@@ -242,7 +243,8 @@ def unresolved_peaks(result) -> tuple[str, ...]:
     profile."""
     lines = []
     for profile in _measured_profiles(result):
-        count = len(points_around_peak(result.response(profile).gap))
+        closed = is_closed(result.term(profile).where)
+        count = len(points_around_peak(result.response(profile).gap, closed))
         finer = "use a smaller edge_spacing for the edge that touches this profile"
         if SOME <= count < ENOUGH:
             lines.append(

@@ -237,7 +237,7 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
     path = tmp_path / "lip.toml"
     path.write_text(PRESSED_TIP.format(section=f"spacing = 0.3\n{finer}") + MEASURES)
     result = sm.analyze(sm.build_seal(path))
-    assert len(points_around_peak(result.response("plate").gap)) == count
+    assert len(points_around_peak(result.response("plate").gap, closed=False)) == count
     *others, found = result.warnings
     assert warning in found
     # a single point penetrates by more than 1 % of the largest displacement
@@ -252,13 +252,15 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
 
 
 @pytest.mark.parametrize(
-    ("gap", "points"),
+    ("gap", "closed", "points"),
     [
-        ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], [1, 2]),
-        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], [4, 5, 0, 1]),  # a closed boundary
-        ([-0.1, -0.2, -0.1], [0, 1, 2]),
-        ([0.1, 0.0], []),
+        ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], False, [1, 2]),
+        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], True, [4, 5, 0, 1]),
+        ([-0.1, -0.3, 0.0, 0.1, -0.1, -0.2], False, [0, 1]),
+        ([-0.1, -0.2, -0.1], True, [0, 1, 2]),
+        ([-0.1, -0.2, -0.1], False, [0, 1, 2]),
+        ([0.1, 0.0], False, []),
     ],
 )
-def test_points_around_the_highest_pressure(gap, points):
-    assert points_around_peak(np.array(gap)).tolist() == points
+def test_points_around_the_highest_pressure(gap, closed, points):
+    assert points_around_peak(np.array(gap), closed).tolist() == points
