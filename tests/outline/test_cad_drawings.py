@@ -139,6 +139,31 @@ def test_blocks_on_layers_of_annotation_are_symbols(tmp_path):
     assert found.left_out == {"sizes": 2}
 
 
+@pytest.mark.parametrize("hidden", ["ignored", "frozen", "invisible"])
+def test_foreign_entities_that_are_not_read_need_no_reader(tmp_path, hidden):
+    """Entities of other programs (vendor objects) on layers that are ignored or frozen."""
+    drawing = Drawing(tmp_path).box()
+    drawing.model.add_line((1, 1), (2, 2), {"layer": "vendor", "invisible": hidden == "invisible"})
+    layer = drawing.document.layers.add("vendor")
+    if hidden == "frozen":
+        layer.freeze()
+    path = drawing.saved()
+    path.write_text(path.read_text().replace("\nLINE\n", "\nVENDOR_PART\n"))
+    ignore = ["vendor"] if hidden == "ignored" else []
+    found = read_drawing(path, ignore=ignore)
+    assert found.outline.area == 100.0
+    assert found.left_out == ({"vendor": 1} if hidden == "ignored" else {})
+
+
+def test_foreign_entities_on_read_layers_are_named(tmp_path):
+    drawing = Drawing(tmp_path).box()
+    drawing.model.add_line((1, 1), (2, 2), {"layer": "vendor"})
+    path = drawing.saved()
+    path.write_text(path.read_text().replace("\nLINE\n", "\nVENDOR_PART\n"))
+    with pytest.raises(GeometryError, match=r"VENDOR_PART #\w+ on layer 'vendor': a drawing can"):
+        read_drawing(path)
+
+
 def test_ellipses_are_followed(tmp_path):
     """Half an ellipse over a line, and a complete one as a hole."""
     drawing = Drawing(tmp_path)

@@ -109,7 +109,7 @@ def _placed(document):
 def _resolved(document, placed: Placed, depth: int):
     """Yield an entity, or what the block holds that it refers to."""
     entity = placed.entity
-    if entity.dxf.get("invisible", 0):
+    if _attribute(entity, "invisible", 0):
         return
     if entity.dxftype() != "INSERT":
         yield placed
@@ -138,8 +138,16 @@ def _resolved(document, placed: Placed, depth: int):
 
 def _layer(document, entity) -> str:
     """Return the layer of an entity as the table of layers spells it."""
-    name = entity.dxf.layer if entity.dxf.is_supported("layer") else "0"
+    name = _attribute(entity, "layer", "0")
     return document.layers.get(name).dxf.name if name in document.layers else name
+
+
+def _attribute(entity, name: str, default):
+    """Return an attribute of an entity, also of a kind that ezdxf does not know but stores."""
+    if entity.dxf.is_supported(name):
+        return entity.dxf.get(name, default)
+    stored = getattr(entity, "graphic_properties", dict)()
+    return stored.get(name, default)
 
 
 def _shown(document, name: str) -> bool:
@@ -159,7 +167,7 @@ def _is_annotation(document, placed: Placed) -> bool:
     if placed.entity.dxftype() in ANNOTATION:
         return True
     # the type of line of an entity, or that of its layer
-    style = placed.entity.dxf.get("linetype", "BYLAYER").upper()
+    style = _attribute(placed.entity, "linetype", "BYLAYER").upper()
     if style == "BYLAYER" and placed.layer in document.layers:
         style = document.layers.get(placed.layer).dxf.get("linetype", "CONTINUOUS").upper()
     return any(part in style for part in CENTRE_LINES)
