@@ -211,9 +211,13 @@ def test_robust_run_goes_on(robust, run_script, capsys):
 
 
 def test_a_measure_that_nothing_varies_is_printed_as_such():
-    spread = {"mean": 63.659, "std": 2.2e-14, "q05": 63.659, "q95": 63.659}
+    spread = {"mean": 63.659, "std": 2.2e-14, "q05": 63.659, "q95": 63.659, "lowest": 63.659}
     found = {"unit": "mm**2", "sampled": spread, "first_order": spread, "infinite_samples": 0}
     assert statistics_text(found) == "63.66 mm**2 in all samples"
     assert statistics_text({**found, "unit": None}) == "63.66 in all samples"
     varied = {**found, "unit": None, "sampled": spread | {"std": 0.5}}
     assert statistics_text(varied).startswith("mean 63.66, std 0.5, 5 to 95 % 63.66 to 63.66")
+    some = statistics_text({**varied, "infinite_samples": 3})
+    assert some.startswith("infinite in 3 samples (no contact): mean 63.66, std 0.5")
+    nowhere = {**found, "sampled": spread | {"lowest": np.inf}, "infinite_samples": 9}
+    assert statistics_text(nowhere) == "infinite in all samples (no contact)"
