@@ -172,6 +172,9 @@ class ComparedPaths:
         complete; by default about ``FEW`` load steps, then ``MORE`` times as many.
     most_cuts : int, optional
         How often a load step may be halved.
+    apart : float, optional
+        Largest relative difference of the forces in few load steps from those of the result at the
+        same ends; otherwise the path is taken to be another one.
 
     Attributes
     ----------
@@ -189,10 +192,10 @@ class ComparedPaths:
 
     def __init__(
         self, file: SealFile, result: SealResult, callback: Callable | None, choices=None,
-        most_cuts: int = MOST_CUTS,
+        most_cuts: int = MOST_CUTS, apart: float = np.inf,
     ):  # fmt: skip
         self.result, self.callback, self.number = result, callback, 0
-        self._most_cuts = most_cuts
+        self._most_cuts, self._apart = most_cuts, apart
         self.coarse = self.fine = self.kept = None
         self.failure = ""
         seal = result.seal
@@ -228,6 +231,9 @@ class ComparedPaths:
         coarse = self.near(seal, Prolongation(path, steps, path.discretization))
         if not coarse.converged:
             self.failure = f"an analysis in {seal.n_steps} load steps failed: {coarse.failure}"
+            return False
+        if force_difference(coarse, self.result, ends.astype(int) - 1) > self._apart:
+            self.failure = "in few load steps the seal takes another path"
             return False
         self.coarse = coarse
         steps = dict(enumerate(coarse.path.nominal_steps, 1))

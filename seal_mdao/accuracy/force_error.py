@@ -80,20 +80,14 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
     result.require_converged()
     if not any(result.path.reaction(part.label).any() for part in moving_parts(result.seal)):
         return ForceError(None, "no force acts on a profile or on moved edges")
-    first, unknown = _compared_ends(result), ""
-    for ends in (first, np.union1d(first, few_ends(result.seal)[0])):
-        paths = ComparedPaths(file, result, callback, [ends], most_cuts=0)
-        if paths.fine is None:
-            unknown = paths.failure
-            continue
-        # forces in few load steps against those of the result at the same loads
-        if force_difference(paths.coarse, result, ends.astype(int) - 1) > APART:
-            unknown = "in few load steps the seal takes another path"
-            continue
-        # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|
-        apart = force_difference(paths.coarse, paths.fine, np.arange(len(ends)))
-        return _with_remedy(file, apart / (1.0 - 0.5**ORDER))
-    return ForceError(None, unknown)
+    first = _compared_ends(result)
+    choices = [first, np.union1d(first, few_ends(result.seal)[0])]
+    paths = ComparedPaths(file, result, callback, choices, most_cuts=0, apart=APART)
+    if paths.fine is None:
+        return ForceError(None, paths.failure)
+    # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|
+    difference = force_difference(paths.coarse, paths.fine, np.arange(len(paths.ends)))
+    return _with_remedy(file, difference / (1.0 - 0.5**ORDER))
 
 
 def _with_remedy(file: SealFile, error: float) -> ForceError:

@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.compilation import compiled, internal
+from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.terms.averaged_points import SMOOTH
 
 BESIDE = (1.0 - SMOOTH) / 3.0
@@ -195,6 +195,26 @@ def masters(segments: np.ndarray, ring: Rings) -> np.ndarray:
     return np.column_stack([ring.step(segments, by) for by in range(-2, 4)])
 
 
+@inlined
+def _step(point, by, first, size):
+    """``Rings.step`` of one point."""
+    return first[point] + (point - first[point] + by) % size[point]
+
+
+@internal
+def _is_ahead(x, place, a, first, size, quintics):
+    """Whether the projection of a place lies at the point a or ahead of it, (x - x_c) . t >= 0 there."""
+    value = 0.0
+    for i in range(2):
+        x_c, t = 0.0, 0.0
+        for b in range(6):
+            own = x[_step(a, b - 2, first, size), i]
+            x_c += quintics[a, 0, b] * own
+            t += quintics[a, 1, b] * own
+        value += (place[i] - x_c) * t
+    return value >= 0.0
+
+
 @internal
 def _polynomial(x, a, first, size, quintics, found):
     """Coefficients (6, 2) of 1, s, ... s^5 of the curve on the segment that begins at point a."""
@@ -202,8 +222,7 @@ def _polynomial(x, a, first, size, quintics, found):
         for i in range(2):
             found[c, i] = 0.0
             for b in range(6):
-                point = first[a] + (a - first[a] + b - 2) % size[a]
-                found[c, i] += quintics[a, c, b] * x[point, i]
+                found[c, i] += quintics[a, c, b] * x[_step(a, b - 2, first, size), i]
 
 
 @internal
@@ -251,21 +270,20 @@ def _stationary(polynomial, place):
 @compiled
 def _project(x, places, nearest, first, size, quintics, segments, s, found):
     """Fill in ``segments``, ``s`` and ``found`` of ``project``."""
-    here, there = np.empty((6, 2)), np.empty((6, 2))
+    polynomial = np.empty((6, 2))
     for m in range(len(places)):
         place, a = places[m], nearest[m]
-        _polynomial(x, a, first, size, quintics, here)
-        # the projection lies at the nearest point or ahead of it where r . t >= 0 there
-        ahead = _slope(here, place, 0.0)[0] >= 0.0
+        ahead = _is_ahead(x, place, a, first, size, quintics)
         for k in range(2):
-            segments[m] = first[a] + (a - first[a] + (k if ahead else -1 - k)) % size[a]
-            after = first[a] + (segments[m] - first[a] + 1) % size[a]
-            _polynomial(x, segments[m], first, size, quintics, here)
-            _polynomial(x, after, first, size, quintics, there)
+            segments[m] = here = _step(a, k if ahead else -1 - k, first, size)
+            after = _step(here, 1, first, size)
             # a segment has it where r . t changes sign; both segments that meet at a point ask the
-            # same polynomial there, so that rounding cannot make both refuse
-            if _slope(here, place, 0.0)[0] >= 0.0 and not _slope(there, place, 0.0)[0] >= 0.0:
-                found[m], s[m] = True, _stationary(here, place)
+            # same there, so that rounding cannot make both refuse
+            if _is_ahead(x, place, here, first, size, quintics) and not _is_ahead(
+                x, place, after, first, size, quintics
+            ):
+                _polynomial(x, here, first, size, quintics, polynomial)
+                found[m], s[m] = True, _stationary(polynomial, place)
                 break
 
 

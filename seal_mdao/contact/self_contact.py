@@ -114,21 +114,23 @@ class SelfContact(TermDefinition):
         return replace(points, fractions=points.fractions * self._touching_sides(points))
 
     def _touching_sides(self, points: MaterialPoints) -> np.ndarray:
-        """Which sides of the points may touch, shape (k, 2)."""
-        may = np.zeros(len(self.nominal), bool)
-        may[np.concatenate(self.loops)] = self.touching
-        return may[points.edges].all(axis=2)
+        """Which sides of the points may touch, shape (k, 2): those between two particles that may."""
+        return self._touching_particles[points.edges].all(axis=2)
+
+    @property
+    def _touching_particles(self) -> np.ndarray:
+        """Which particles of the body may touch, shape (n,)."""
+        found = np.zeros(len(self.nominal), bool)
+        found[np.concatenate(self.loops)] = self.touching
+        return found
 
     @cached_property
     def may(self) -> np.ndarray:
         """Which points may touch: those at particles that may, at a sharp corner by their own side."""
         where = self.where
         sides = where.edges[..., 0] != where.edges[..., 1]
-        touching = self._touching_sides(where)
-        particle = np.zeros(len(self.nominal), bool)
-        particle[np.concatenate(self.loops)] = self.touching
-        divided = ~sides.all(axis=1)
-        return np.where(divided, (touching & sides).any(axis=1), particle[where.of_particles])
+        by_side = (self._touching_sides(where) & sides).any(axis=1)
+        return np.where(sides.all(axis=1), self._touching_particles[where.of_particles], by_side)
 
     @cached_property
     def ring(self) -> Rings:
@@ -165,7 +167,8 @@ class SelfContact(TermDefinition):
         for loop in self.loops:
             # sides between two particles of the closed loop, in the shorter direction
             own = np.flatnonzero(np.isin(particle, loop))
-            number = np.argsort(loop)[np.searchsorted(np.sort(loop), particle[own])]
+            # points follow the loop; two of one particle at a corner
+            number = np.cumsum(np.diff(particle[own], prepend=particle[own[0]]) != 0)
             between = np.abs(number[:, None] - number)
             found[np.ix_(own, own)] &= np.minimum(between, len(loop) - between) > NEIGHBOURS
         return found
@@ -182,12 +185,12 @@ class SelfContact(TermDefinition):
         return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=np.inf))
 
     def pairs(self):
-        """Return the pairs of points with particles of segments that they may touch, and of those
-        particles with each other."""
+        """Return the pairs of points with the points of segments that they may touch, and of those
+        points with each other."""
         ring, allowed = self.ring, self.may_touch()
         every = np.arange(len(allowed))
         reached = allowed.copy()
-        for by in range(-4, 5):  # two segments to either side of the nearest particle
+        for by in range(-4, 5):  # two segments to either side of the nearest point
             reached |= allowed[:, ring.step(every, by)]
         near = reached.any(axis=0)
         for by in range(1, NODES - 1):
@@ -280,8 +283,8 @@ class SelfContactTerm(CoupledTerm):
     # ---- search: nearest segment opposite to each point ----
 
     def _followed(self, x):
-        """Find the points with a segment opposite, the particles of the segment, and the kinematics."""
-        # nearest allowed particle with an opposite normal, e_n,i . e_n,j < 0
+        """Find the points with a segment opposite, the points of the segment, and the kinematics."""
+        # nearest allowed point with an opposite normal, e_n,i . e_n,j < 0
         normal = outward(x, self.ring)
         allowed = self.allowed & (normal @ normal.T < 0.0)
         square = ((x[:, None] - x) ** 2).sum(axis=2)

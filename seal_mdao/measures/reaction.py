@@ -23,9 +23,8 @@ class Reaction(Measure):
     The force on a profile includes that of edges that are bonded to it.
 
     A force at a time beyond the end of the path is not a number. Between load steps the force is
-    interpolated linearly; the derivatives are those of the interpolated
-    value, also where a parameter of the motion, or a duration, changes when a travel or a time is
-    reached.
+    interpolated linearly; the derivatives are those of the interpolated value, also where a parameter
+    of the motion, or a duration, changes when a travel or a time is reached.
 
     Attributes
     ----------

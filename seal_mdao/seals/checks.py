@@ -431,15 +431,10 @@ def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> tuple[np.nda
         one, other = one[:, :, None], other[:, None, :]
         # any end of one side may touch any end of the other
         touch = (term.allowed[one, other] & (one >= 0) & (other >= 0)).any(axis=(1, 2))
-        deepest = -term.gaps(_places(samples, term))[1].min(initial=0.0)
+        deepest = -term.gaps(samples.path.responses(term.label)[-1].x)[1].min(initial=0.0)
         found[touch] = max(deepest, SLIGHT * samples.wall)
         touching |= touch
     return found, touching
-
-
-def _places(samples: EvaluationPoints, term) -> np.ndarray:
-    """Deformed places of the points of a self-contact, shape (k, 2)."""
-    return samples.path.steps[-1].responses[term.index].x
 
 
 def _contacts_with_itself(samples: EvaluationPoints):
@@ -449,7 +444,7 @@ def _contacts_with_itself(samples: EvaluationPoints):
 def _inside_itself(samples: EvaluationPoints):
     """Report the penetration of walls in contact."""
     for term in _contacts_with_itself(samples):
-        x = _places(samples, term)
+        x = samples.path.responses(term.label)[-1].x
         # largest penetration -min g_n between walls
         points, gap = term.gaps(x)
         size, whose = _smaller_of_wall_and_squeeze(samples)

@@ -86,7 +86,7 @@ def _touching(samples: EvaluationPoints, chains, lengths) -> np.ndarray:
             # nearer to the profile than half of the side's length
             touching |= term.gaps(middles, path.steps[-1].fraction) < 0.5 * lengths
         elif isinstance(term, SelfContactTerm):
-            points, gap = term.gaps(path.steps[-1].responses[term.index].x)
+            points, gap = term.gaps(path.responses(term.label)[-1].x)
             particles = term.where.of_particles[points[gap <= 0.0]]
             touching |= np.isin(chains[:, [0, -1]], particles).any(axis=1)
     return touching

@@ -8,6 +8,7 @@ import pytest
 from verification.loaded_sections import REFERENCES, loaded_errors, loaded_result
 
 import seal_mdao as sm
+from seal_mdao.accuracy import error_estimate
 from seal_mdao.accuracy import force_error as module
 from seal_mdao.accuracy.force_error import LARGEST, WANTED, ForceError, force_error
 from seal_mdao.cli.subcommands import main
@@ -80,12 +81,12 @@ def test_estimate_is_the_difference_from_finite_elements():
 def test_paths_that_leave_that_of_the_result_give_no_estimate(bulb, monkeypatch):
     """As where a profile passes a lip in one load step: both clouds have no force."""
     file, result, _ = bulb
-    original = module.force_difference
+    original = error_estimate.force_difference
 
     def apart(coarse, fine, at):
         return 0.3 if fine is result else original(coarse, fine, at)
 
-    monkeypatch.setattr(module, "force_difference", apart)
+    monkeypatch.setattr(error_estimate, "force_difference", apart)
     found = force_error(file, result)
     assert found.relative is None
     assert "another path" in found.unknown
