@@ -22,21 +22,36 @@ def table_of(cloud, where):
     return averaged_table(cloud, where.moving, essential_transformation(nothing, own.raw))
 
 
+STRAIGHT = np.arange(3, N * N, N)
+"""A row of particles."""
+ROWS = {
+    "straight": STRAIGHT,
+    # up to the middle of the row, then along the other direction
+    "turned": np.concatenate([STRAIGHT[:4], 3 * N + np.arange(4, N)]),
+    # along the first column, which is the axis, then along the row
+    "from the axis": np.concatenate([np.arange(N - 1, 3, -1), STRAIGHT]),
+}
+
+
 @pytest.fixture(
-    params=[(1, False, 0), (2, False, 0), (1, True, 0), (2, True, 0), (1, False, 3), (2, True, 3)],
+    params=[
+        (1, False, "straight"), (2, False, "straight"), (1, True, "straight"),
+        (2, True, "straight"), (1, False, "turned"), (2, True, "turned"),
+        (1, True, "from the axis"), (2, True, "from the axis"),
+    ],
     ids=str,
-)
+)  # fmt: skip
 def averaged(request, rng):
     """An irregular cloud, in plane strain or turned about an axis, the means along one of its rows of
     particles, which may turn by 90 degrees, and their table."""
-    order, around, turned = request.param
-    cloud = irregular_cloud(rng, n=N, order=order, origin=(2.0 * around, 0.0))
-    row = np.arange(3, N * N, N)
-    if turned:
-        # up to the middle of the row, then along the other direction
-        row = np.concatenate([row[: turned + 1], turned * N + np.arange(4, N)])
+    order, around, kind = request.param
+    on_axis = kind == "from the axis"
+    cloud = irregular_cloud(rng, n=N, order=order, origin=(2.0 * (around and not on_axis), 0.0))
+    if on_axis:
+        cloud.particles[:N, 0] = 0.0
+    row = ROWS[kind]
     where = averaged_points(row, Edge(row, False).neighbours, cloud.particles, around)
-    assert len(where) > len(row) or not turned
+    assert len(where) > len(row) or kind == "straight"
     return cloud, row, where, table_of(cloud, where)
 
 
