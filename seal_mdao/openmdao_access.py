@@ -122,6 +122,24 @@ class TotalsInUnits(Driver):
         return totals
 
 
+class ScipyIterations(om.ScipyOptimizeDriver):
+    """Mixin of OpenMDAO's driver of SciPy whose result counts the iterations of the optimiser, not the
+    evaluations of the model."""
+
+    counts_iterations = True
+
+    def _update_result(self, result) -> None:
+        # None after a failed analysis at the start, which raises
+        found = self._scipy_optimize_result
+        result.iter_count = 0 if found is None else int(found.nit)
+
+
+def counted_iterations(driver: Driver) -> int | None:
+    """Return the number of iterations of the last run; None for a driver whose result counts evaluations
+    of the model instead."""
+    return driver.result.iter_count if getattr(driver, "counts_iterations", False) else None
+
+
 class DriverHooks(FailedCases):
     """Private hooks of a driver as public methods and attributes: name under which cases are recorded,
     message and major iterations of the last run."""
@@ -129,6 +147,7 @@ class DriverHooks(FailedCases):
     case_name = "Driver"
     exit_message = "NOT_RUN"
     iterations = 0
+    counts_iterations = True
 
     def declare_options(self, declare) -> None:
         """Declare the options of the driver."""

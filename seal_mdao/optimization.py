@@ -16,9 +16,9 @@ from openmdao.core.driver import Driver
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.components.seal_group import SealGroup
 from seal_mdao.drivers.ipopt_driver import IpoptDriver
-from seal_mdao.drivers.optimizer_driver import OptimizerDriver
 from seal_mdao.drivers.slsqp_driver import SlsqpDriver
 from seal_mdao.drivers.uno_driver import UnoDriver
+from seal_mdao.openmdao_access import counted_iterations
 from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_settings
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.recorder_file import open_model
@@ -281,5 +281,4 @@ def continue_run(problem: om.Problem, cases: Path) -> None:
 def major_iterations(problem: om.Problem) -> int | None:
     """Return the number of major iterations counted by the optimiser; None if it does not report
     it."""
-    driver = problem.driver
-    return driver.result.iter_count if isinstance(driver, OptimizerDriver) else None
+    return counted_iterations(problem.driver)

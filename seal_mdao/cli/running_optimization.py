@@ -126,15 +126,10 @@ def _kkt(found: Optimality | None) -> dict | None:
 
 
 def judged(run_numbers: dict, history) -> dict:
-    """Mark a run that ends infeasible as not successful, and count its iterations."""
+    """Mark a run that ends infeasible as not successful."""
     # optimisers may report success at an infeasible point
     feasible = history.max_violation[-1] <= FEASIBLE
-    # drivers without a count of iterations: those recorded
-    counted = run_numbers["iterations"]
-    return run_numbers | {
-        "success": run_numbers["success"] and bool(feasible),
-        "iterations": len(history.objective) - 1 if counted is None else counted,
-    }
+    return run_numbers | {"success": run_numbers["success"] and bool(feasible)}
 
 
 def report_run(optimizer: str, numbers: dict, arguments: argparse.Namespace) -> None:

@@ -12,6 +12,7 @@ from seal_mdao.drivers.optimizer_driver import VIOLATED
 from seal_mdao.drivers.solver_libraries import count, tolerance
 from seal_mdao.openmdao_access import (
     FailedCases,
+    ScipyIterations,
     TotalsInUnits,
     faults,
     problem_of,
@@ -25,7 +26,7 @@ FEASIBLE = 1e-6
 """Largest violation of a constraint that is satisfied, in driver scaling."""
 
 
-class SlsqpDriver(FailedCases, TotalsInUnits, om.ScipyOptimizeDriver):
+class SlsqpDriver(FailedCases, TotalsInUnits, ScipyIterations):
     """OpenMDAO's ScipyOptimizeDriver with SLSQP; an analysis that fails shortens the step.
 
     AnalysisError at the start, or in the derivatives, ends the run as usual. Use `UnoDriver`
@@ -64,7 +65,7 @@ class SlsqpDriver(FailedCases, TotalsInUnits, om.ScipyOptimizeDriver):
         _require_positive_scalers(self)
         self.failed_analyses, self.case_failure, self.exit_message = 0, "", ""
         model = self._model = problem_of(self).model
-        self._restore = None
+        self._restore = self._scipy_optimize_result = None
         # an attribute of the instance hides the method of the class during the run
         model.run_solve_nonlinear = self._analyse
         try:

@@ -160,6 +160,17 @@ class RecordedOptimization:
         return bool(self.runs) and self.runs[-1].cut_off
 
     @property
+    def iterations(self) -> int:
+        """Iterations of the last run as its optimiser counted them; where the file does not say, the
+        number of points after the start.
+
+        The points may be more: derivatives can be recorded at rejected designs, and the result of a run
+        that was stopped is an earlier design.
+        """
+        counted = self.runs[-1].iterations if self.runs and not self.cut_off else None
+        return len(self.objective) - 1 if counted is None else counted
+
+    @property
     def objective_ratio(self) -> np.ndarray:
         """Objective over its start, shape (n,)."""
         return self.objective / self.objective[0]

@@ -134,7 +134,7 @@ class RestartRecorder(SqliteHooks):
         if driver is not None and driver.result.exit_status != run_log.BY_EXCEPTION:
             self._log_begin()
         if self.connection and self._log_row is not None:
-            run_log.end(self.connection, self._log_row, driver.result)
+            run_log.end(self.connection, self._log_row, driver)
 
     def shutdown(self):
         """Log how the run ended and close the file."""

@@ -12,16 +12,17 @@ from dataclasses import dataclass
 from datetime import datetime
 from importlib import metadata
 
+from seal_mdao.openmdao_access import counted_iterations
 from seal_mdao.recording.plain_reading import PlainDatabase, reading
 
 TABLE = "run_log"
 BY_EXCEPTION = "Ended by an exception"
 """Message of a run that raised."""
 COLUMNS = dict.fromkeys(("begun", "ended", "driver", "options", "versions"), str) | {
-    "success": int, "message": str, "iterations": int, "analyses": int, "seconds": float,
+    "success": int, "message": str, "iterations": int | None, "analyses": int, "seconds": float,
 }  # fmt: skip
 """Columns of the table with their types, in the order of ``LoggedRun``."""
-SQL_TYPES = {str: "TEXT", int: "INT", float: "REAL"}
+SQL_TYPES = {str: "TEXT", int: "INT", int | None: "INT", float: "REAL"}
 PACKAGES = ("seal_mdao", "openmdao", "numpy", "scipy", "numba", "unopy", "ipyopt")
 
 
@@ -39,8 +40,10 @@ class LoggedRun:
         Versions of Python and of ``PACKAGES``.
     success, message : bool, str
         Whether the driver reported success, and its exit message.
-    iterations, analyses : int
-        Driver iterations, and model runs, of this run.
+    iterations : int or None
+        Iterations of the optimiser in this run; None if its driver does not count them.
+    analyses : int
+        Model runs of this run.
     seconds : float
     """
 
@@ -51,7 +54,7 @@ class LoggedRun:
     versions: dict
     success: bool
     message: str
-    iterations: int
+    iterations: int | None
     analyses: int
     seconds: float
 
@@ -74,11 +77,12 @@ def begin(connection: sqlite3.Connection, driver) -> int:
         return connection.execute(insert, row).lastrowid
 
 
-def end(connection: sqlite3.Connection, row: int, result) -> None:
-    """Log how a run ended, from its ``DriverResult``."""
+def end(connection: sqlite3.Connection, row: int, driver) -> None:
+    """Log how the last run of a driver ended."""
+    result = driver.result
     found = {
         "ended": _now(), "success": int(bool(result.success)), "message": str(result.exit_status),
-        "iterations": int(result.iter_count), "analyses": int(result.model_evals),
+        "iterations": counted_iterations(driver), "analyses": int(result.model_evals),
         "seconds": float(result.runtime),
     }  # fmt: skip
     changes = ", ".join(f"{name}=?" for name in found)

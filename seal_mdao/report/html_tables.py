@@ -130,7 +130,8 @@ def runs_table(history: RecordedOptimization) -> str:
             # a run that was cut off has no counts
             cells = ["cut off", run.driver, *[NO_VALUE] * 3, ("cut off", "bad")]
         else:
-            numbers = str(run.iterations), str(run.analyses), f"{number(run.seconds, 3)} s"
+            iterations = NO_VALUE if run.iterations is None else str(run.iterations)
+            numbers = iterations, str(run.analyses), f"{number(run.seconds, 3)} s"
             cells = [ended, run.driver, *numbers, (run.message, "good" if run.success else "bad")]
         rows.append([begun, *cells])
     head = ["run begun", "ended", "driver", "iterations", "analyses", "time", "result"]

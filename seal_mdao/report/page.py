@@ -280,14 +280,16 @@ def key_figures(
                 around = f"{short(units.per_mm * new, 3)} N {units.along}"
                 change = f"{around}; {change}" if change else around
             forces.append((f"{force}{of}", f"{short(new, 3)} {units.force}", change))
-    kind, done = "iterations" if history.major else "evaluations", history.evaluations
+    kind, done, count = "evaluations", history.evaluations, len(values) - 1
+    if history.major:
+        kind, count = "iterations", history.iterations
     # relative to the limit
     worst = tables.percent(history.max_violation[-1])
     return [
         (name, tables.percent(last / first) if first else short(last),
          f"of its start: {short(first, 3)} → {short(last, 3)}"),
         *gaps,
-        (kind, str(len(values) - 1), f"{done} evaluations recorded"),
+        (kind, str(count), f"{done} evaluations recorded"),
         ("largest violation", worst, "of a constraint at the end"),
         *forces,
     ]  # fmt: skip

@@ -38,6 +38,30 @@ def test_run_that_stops_early_is_written_as_far_as_it_went(stopped):
     assert len(s["history"]) == 4
 
 
+def counts_of(page) -> tuple[int, int]:
+    """The iterations in the key figures of a report, and in its table of runs."""
+    text = page.read_text(encoding="utf-8")
+    figure = re.search(r"<span>iterations</span><strong>(\d+)</strong>", text)
+    table = text.split("Runs that wrote the recorder file</caption>")[1].split("</table>")[0]
+    cells = re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", table, re.DOTALL)
+    return int(figure[1]), int(cells[len(cells) // 2 + 3])
+
+
+def test_report_and_command_count_the_same_iterations(tmp_path, run_script):
+    """The result of a stopped run is an earlier design, which is no further iteration."""
+    _, s = run_script("optimize", tmp_path, written(tmp_path), "--max-iterations", 3)
+    assert len(s["history"]) == 5
+    assert counts_of(tmp_path / "report.html") == (s["iterations"], s["iterations"]) == (3, 3)
+
+
+def test_iterations_of_slsqp_are_not_its_evaluations(tmp_path, run_script):
+    path = written(tmp_path, {"[0.0, 14.45]": "[0.0, 14.5]"})
+    arguments = (path, "--optimizer", "SLSQP", "--max-iterations", 2)
+    _, s = run_script("optimize", tmp_path, *arguments)
+    assert s["recorded_evaluations"] > 3
+    assert counts_of(tmp_path / "report.html") == (s["iterations"], s["iterations"]) == (2, 2)
+
+
 def test_a_report_has_every_warning_once(stopped):
     out, *_ = stopped
     text = (out / "report.html").read_text(encoding="utf-8")
