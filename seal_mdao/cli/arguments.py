@@ -48,6 +48,13 @@ NAME_OF_FILE = "NAME_OF_FILE"
 it is left out."""
 
 
+FILE_SUFFIXES = {
+    ".csv", ".dxf", ".gif", ".htm", ".html", ".inp", ".json", ".mp4", ".pdf", ".png", ".sql",
+    ".sqlite", ".svg", ".toml", ".txt", ".vtu",
+}  # fmt: skip
+"""Endings of files that commands read or write: a folder with such a name is a mistake."""
+
+
 class WrongArgumentError(Exception):
     """Raised for arguments with which a subcommand cannot start."""
 
@@ -239,6 +246,8 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     # parse, then note which options were given explicitly
     arguments = made.parse_args(argv)
     arguments.given = _given(made, argv)
+    if "out" in arguments.given:
+        _require_name_of_folder(made, arguments.out)
     # a restart writes beside its recorder file unless --out is given
     if "out" not in arguments.given and isinstance(getattr(arguments, "restart", None), Path):
         arguments.out = arguments.restart.parent
@@ -307,6 +316,15 @@ def _printed_as_asked(main: Callable, arguments: argparse.Namespace, before: dic
 def _show_warning(message, *_) -> None:
     """Print a warning of Python, such as a ``KinkWarning``, as one line without its file."""
     print(f"WARNING: {message}", file=sys.stderr)
+
+
+def _require_name_of_folder(made: argparse.ArgumentParser, out: Path) -> None:
+    """Refuse a value of ``--out`` that is the name of a file, unless there is such a folder."""
+    if out.suffix.lower() in FILE_SUFFIXES and not out.is_dir():
+        made.error(
+            f"argument --out: {out} is the name of a file, but --out names the folder of all results; "
+            f"give a folder, such as {out.with_suffix('')}"
+        )
 
 
 def _require_folder(made: argparse.ArgumentParser, out: Path) -> None:

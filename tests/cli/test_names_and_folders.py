@@ -80,6 +80,23 @@ def test_every_command_has_a_folder_for_each_file(file, monkeypatch, given, fold
     assert [own.name for own in Path("out").glob("*")] == ([folder] if folder else [])
 
 
+@pytest.mark.parametrize("name", ["x.html", "best/pic.PNG", "x.csv", "x.toml", "x.json"])
+def test_a_file_is_no_output_folder(file, monkeypatch, capsys, name):
+    """A folder x.html was made without a word."""
+    monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda *_: 0)
+    with pytest.raises(SystemExit) as ended:
+        main(["analyze", "mine.toml", "--out", name])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert f"--out: {name} is the name of a file, but --out names the folder of all results" in said
+    assert f"give a folder, such as {name.rpartition('.')[0]}" in said
+    assert [own.name for own in Path().iterdir()] == ["mine.toml"]
+    # names with other dots, and a folder that is there
+    assert main(["analyze", "mine.toml", "--out", "seal_0.5"]) == 0
+    Path("x.html").mkdir()
+    assert main(["analyze", "mine.toml", "--out", "x.html"]) == 0
+
+
 def test_a_restart_writes_beside_its_recorder_file(file, monkeypatch):
     monkeypatch.setattr("seal_mdao.cli.arguments._printed_as_asked", lambda *_: 0)
     Path("before").mkdir()
