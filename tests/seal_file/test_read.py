@@ -307,6 +307,30 @@ def test_every_type_becomes_a_measure_with_its_name(tmp_path, name):
     assert not file.measures[0].single or measure.size(None) == 1
 
 
+ONE_OF_ITS_KIND = {
+    "cavity_pressure": ("cavity", '[[cavity]]\nname = "{}"\nhole = 1'),
+    "blow_off_pressure": ("fluid",
+        '[[fluid]]\nname = "{}"\nedge = "seal"\nfrom = "end"\npressure = 9.0\nsteps = 20'),
+}  # fmt: skip
+"""Key of the table that a type of measure names, and such a table."""
+
+
+@pytest.mark.parametrize("name", ONE_OF_ITS_KIND)
+def test_the_only_cavity_or_fluid_needs_no_name(tmp_path, name):
+    key, text = ONE_OF_ITS_KIND[name]
+    old = 'type = "contact_width"\nprofile = "door"'
+    file = changed(tmp_path, (old, f'type = "{name}"\n{text.format("bulb")}'))
+    assert getattr(file.measures[0], key) == "bulb"
+    # also where the problem alone names the type
+    width, implied = "[[measure]]\n" + old, f'minimize = "{name}"'
+    file = changed(tmp_path, (width, text.format("bulb")), ('minimize = "section_area"', implied))
+    assert [getattr(own, key) for own in file.measures if own.type == name] == ["bulb"]
+    # another name is still an error
+    wrong = f'type = "{name}"\n{key} = "foot"\n{text.format("bulb")}'
+    with pytest.raises(sm.SealFileError, match=f"{key} = 'foot', but there is no such"):
+        changed(tmp_path, (old, wrong))
+
+
 def test_the_reaction_is_taken_along_the_first_travel(tmp_path):
     for travel, axis in (("[0.0, -6.0]", "y"), ("[-6.0, 1.0]", "x"), ("[1.0, 1.0]", "y")):
         file = changed(tmp_path, ("[0.0, -6.0]", travel))

@@ -65,6 +65,10 @@ class MeasureTable(Table):
         """
         return replace(self, name=self.type if self.name is None else self.name)
 
+    def completed(self, file) -> "MeasureTable":
+        """Return the table completed with names from the other tables of the file."""
+        return self
+
     def check(self, where: str, file) -> None:
         """Raise SealFileError for a table that does not fit the other tables of the file."""
 
@@ -132,6 +136,13 @@ class AtPlaces(OfProfile):
     places: Places | None = key(
         "with a cloud: indices of the contact points at which gaps are taken", None
     )
+
+
+def only_name(given: str | None, tables: tuple, default: str) -> str:
+    """Return the given name of a table; without one that of the only table, else the default."""
+    if given is not None:
+        return given
+    return tables[0].name if len(tables) == 1 else default
 
 
 def nearest(point, particles: np.ndarray) -> int:

@@ -1,6 +1,6 @@
 """Types of measures of a seal file: the keys of each."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache, partial
 from typing import Annotated
 
@@ -30,6 +30,7 @@ from seal_mdao.seals.file.measure_table import (
     Places,
     kind,
     nearest,
+    only_name,
     simple_kind,
 )
 from seal_mdao.seals.file.schema import chosen_by, key, known
@@ -128,7 +129,10 @@ class CavityAreaTable(MeasureTable):
 class CavityPressureTable(MeasureTable):
     """Excess pressure of the air in a hole over that outside."""
 
-    cavity: Text = key("name of a [[cavity]]", "air")
+    cavity: Text | None = key("name of a [[cavity]]; default: the only one, or air", None)
+
+    def completed(self, file):
+        return replace(self, cavity=only_name(self.cavity, file.cavities, "air"))
 
     def check(self, where, file):
         known(where, "cavity", self.cavity, [own.name for own in file.cavities], "[[cavity]]")
@@ -138,7 +142,10 @@ class CavityPressureTable(MeasureTable):
 class BlowOffPressureTable(MeasureTable):
     """Pressure at which a fluid penetrates to the dry side."""
 
-    fluid: Text = key("name of a [[fluid]]", "fluid")
+    fluid: Text | None = key("name of a [[fluid]]; default: the only one, or fluid", None)
+
+    def completed(self, file):
+        return replace(self, fluid=only_name(self.fluid, file.fluids, "fluid"))
 
     def check(self, where, file):
         known(where, "fluid", self.fluid, [own.name for own in file.fluids], "[[fluid]]")

@@ -153,6 +153,7 @@ def _decided(written: Written, path: Path) -> SealFile:
         step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
         written.model, written.material,
     )  # fmt: skip
+    file = replace(file, measures=tuple(own.completed(file) for own in file.measures))
     file = replace(file, profiles=_with_contact(file))
     return with_tolerances(replace(file, profiles=_with_contact_points(file)))
 
