@@ -7,6 +7,9 @@ from seal_mdao.geometry.curve import CUBIC
 from seal_mdao.geometry.profile import PieceRates, Pieces, RigidProfile, rigid_profile
 from seal_mdao.values import require
 
+SAME = 1e-9
+"""Relative difference of points, and of their rates, that are equal but for rounding."""
+
 
 def cubic_profile(knots, coefficients, rates=None, closed: bool = False) -> RigidProfile:
     """Build a profile of cubic pieces x_c = sum_k c_k (xi - knot)^k between ``knots``.
@@ -60,7 +63,8 @@ def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> 
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        Traversed with the rigid body on the left; a closed profile does not repeat the first point.
+        Traversed with the rigid body on the left. The last point of a closed profile may repeat the
+        first one, and its rates with it; n does not count it.
     rates : array_like, shape (S, n, 2), optional
         Velocities of the points with respect to S shape parameters.
     closed : bool
@@ -83,9 +87,18 @@ def spline_profile(points, rates=None, closed: bool = False, parameter=None) -> 
     >>> ellipse.n_shapes
     2
     """
-    points = _checked_points(points, closed)
+    given, points = np.shape(points)[:1], _checked_points(points, closed)
     n = len(points)
     rates = np.zeros((0, n, 2)) if rates is None else np.asarray(rates, float)
+    if (n,) != given and rates.shape[1:] == (*given, 2):
+        # one point with two rates would not be one point of the next design
+        require(
+            np.allclose(
+                rates[:, -1], rates[:, 0], rtol=SAME, atol=SAME * np.abs(rates).max(initial=0.0)
+            ),
+            "the last point of the closed profile repeats the first one, but has other rates",
+        )
+        rates = rates[:, :-1]
     require(
         rates.shape[1:] == (n, 2) and np.isfinite(rates).all(),
         f"rates of {n} points must be finite numbers of shape (S, {n}, 2), got {rates.shape}",
@@ -122,7 +135,12 @@ def chord_length(points, closed: bool = False) -> np.ndarray:
 
 
 def _checked_points(points, closed) -> np.ndarray:
+    """Return points (n, 2) as floats, those of a closed profile without a repetition of the first."""
     points = np.asarray(points, float)
+    if closed and points.ndim == 2 and points.shape[1] == 2 and len(points) > 1:
+        # equal but for rounding, as of angles from 0 to 2 pi
+        size = np.ptp(points, axis=0).max()
+        points = points[: -1 if np.hypot(*(points[-1] - points[0])) <= SAME * size else None]
     least = 3 if closed else 2
     require(
         points.ndim == 2 and points.shape[1] == 2 and len(points) >= least,

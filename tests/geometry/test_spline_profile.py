@@ -54,6 +54,22 @@ def test_derivatives_along_the_curve(name):
             np.testing.assert_allclose(slope[:3], here[1:], atol=1e-11)
 
 
+@pytest.mark.parametrize("parameter", [False, True])
+def test_the_last_point_of_a_closed_profile_may_repeat_the_first_one(parameter):
+    """Angles from 0 to 2 pi give it up to rounding: the last side had a length of 1e-16 mm."""
+    phi = np.linspace(0.0, 2 * np.pi, 13)
+    unit = np.column_stack([np.cos(phi), np.sin(phi)])
+    points, rates = unit * [3.0, 2.0], np.array([unit * [1, 0], unit * [0, 1]])
+    assert 0.0 < np.abs(points[-1] - points[0]).max() < 1e-14
+    knots = chord_length(points[:-1], closed=True) if parameter else None
+    if parameter:
+        np.testing.assert_array_equal(chord_length(points, closed=True), knots)
+    one = spline_profile(points[:-1], rates[:, :-1], True, knots)
+    other = spline_profile(points, rates, True, knots)
+    for here, there in zip(one, other, strict=True):
+        np.testing.assert_array_equal(here, there)
+
+
 def test_the_curve_goes_through_its_points_at_their_parameters():
     profile, points = bow(parameter=KNOTS)
     found = [curve(profile, piece, profile.start[piece])[0] for piece in range(5)]
@@ -155,7 +171,15 @@ SQUARE = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
         ({"points": SQUARE[:2], "closed": True}, "at least 3"),
         ({"points": [[0.0, 0.0], [np.nan, 1.0]]}, "finite"),
         ({"points": [[0.0, 0.0], [1.0, 1.0], [1.0, 1.0]]}, "point 1 of the profile coincides"),
-        ({"points": [*SQUARE, SQUARE[0]], "closed": True}, "point 3 of the profile coincides"),
+        ({"points": [*SQUARE[:2], SQUARE[0]], "closed": True}, r"at least 3; got shape \(2, 2\)"),
+        (
+            {"points": [*SQUARE, SQUARE[0], SQUARE[0]], "closed": True},
+            "point 3 of the profile coincides",
+        ),
+        (
+            {"points": [*SQUARE, SQUARE[0]], "rates": [np.eye(4, 2)], "closed": True},
+            "has other rates",
+        ),
         ({"points": SQUARE, "rates": np.zeros((3, 2))}, r"shape \(S, 3, 2\), got \(3, 2\)"),
         ({"points": SQUARE, "parameter": [0.0, 1.0, 1.0]}, "3 increasing numbers"),
         ({"points": SQUARE, "parameter": [0.0, 1.0, 2.0], "closed": True}, "4 increasing numbers"),

@@ -209,7 +209,7 @@ BAD = {
         "LWPOLYLINE #30 on layer 'extra': the vertices 2 and 3 of a polyline coincide at (2, 1)",
     ),
     "first vertex again": (
-        add("add_lwpolyline", [(1, 1), (2, 1), (1, 2), (1, 1)], close=True),
+        add("add_lwpolyline", [(1, 1), (2, 1), (1, 2), (1, 1), (1, 1)], close=True),
         "vertices 4 and 1 of a polyline coincide at (1, 1)",
     ),
     "one vertex": (add("add_lwpolyline", [(1, 1)]), "a polyline needs at least two vertices"),

@@ -56,6 +56,11 @@ BAD = {
         "the contour is open: segment 2 (edge 'seal') ends at (2, 3), but the next segment 1 "
         "(edge 'base') begins at (0, 0), 3.61 mm away",
     ),
+    "open, of one edge": (
+        lambda: Contour([Line((0, 0), (4, 0), "a"), Line((4, 0), (2, 3), "a")]),
+        "(edge 'a') begins at (0, 0), 3.61 mm away; a line or spline that is a complete contour "
+        "repeats its first point at its end",
+    ),
     "gap": (
         lambda: Contour([BASE, Line((4.1, 0), (0, 3), "seal"), Line((0, 3), (0, 0), "seal")]),
         "segment 1 (edge 'base') ends at (4, 0), but the next segment 2 (edge 'seal') begins at (4.1,",

@@ -37,6 +37,19 @@ def test_round_trip(tmp_path, outline):
     assert twice.area == pytest.approx(outline.area, rel=1e-12)
 
 
+@pytest.mark.parametrize("method", ["add_lwpolyline", "add_polyline2d"])
+@pytest.mark.parametrize("off", [0.0, 4e-4])
+def test_a_closed_polyline_may_repeat_its_first_vertex(tmp_path, method, off):
+    """As some programs write it; half a disc of an arc (bulge 1) and a line."""
+    corners = [(0.0, 0.0, 0.0), (8.0, 0.0, 1.0), (0.0, off, 0.0)]
+    drawing = Drawing(tmp_path)
+    add, form = getattr(drawing.model, method), {"format": "xyb"}
+    add(corners, **form, close=True, dxfattribs={"layer": "seal"})
+    outer = read_dxf(drawing.saved()).outer
+    assert len(outer.segments) == 2
+    assert outer.area == pytest.approx(8.0 * np.pi, rel=1e-12)
+
+
 def test_pieces_in_any_order_and_direction(tmp_path):
     outline, drawing = mixed(), Drawing(tmp_path)
     loose = [s for contour in outline.contours for s in contour.segments]

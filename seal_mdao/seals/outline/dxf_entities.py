@@ -7,6 +7,7 @@ import numpy as np
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Arc, Circle
 from seal_mdao.seals.outline.b_splines import segments_of
+from seal_mdao.seals.outline.contours import JOIN
 from seal_mdao.seals.outline.segments import Line, pair
 
 MODEL_UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4, "foot": 304.8}
@@ -134,7 +135,13 @@ def _old_polyline(entity, scale, edge):
 
 
 def _sides(vertices, closed: bool, scale, edge) -> list:
-    """Convert vertices (n, 3) with x, y and bulge to lines and arcs."""
+    """Convert vertices (n, 3) with x, y and bulge to lines and arcs.
+
+    The last vertex of a closed polyline may repeat the first one, as some programs write it.
+    """
+    if closed and len(vertices) > 2:
+        gap = scale * np.hypot(*(vertices[-1] - vertices[0])[:2])
+        vertices = vertices[: -1 if gap <= JOIN else None]
     if len(vertices) < 2:
         raise GeometryError("a polyline needs at least two vertices")
     if closed:
