@@ -18,7 +18,7 @@ from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.file.chosen import chosen_for
 from seal_mdao.seals.file.described import named_in
 from seal_mdao.seals.file.file_tables import SealFile
-from seal_mdao.seals.outline.design_parameters import inverting_limits
+from seal_mdao.seals.outline.design_parameters import dependent_parameters, inverting_limits
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 from seal_mdao.seals.outline.section_cloud import LONGEST, Kernels, OutlineCloud, longest_side
@@ -226,9 +226,12 @@ def design_bounds(file: SealFile, seal: OutlineSeal) -> np.ndarray:
     return np.concatenate([np.full(size, design.bound) for design, size in pairs])
 
 
-def limit_warnings(file: SealFile, seal: OutlineSeal) -> tuple[str, ...]:
-    """Warn of limits of the design parameters of a file that permit a wall to be inverted."""
-    return inverting_limits(seal, design_bounds(file, seal)) if seal.n_offsets else ()
+def design_warnings(file: SealFile, seal: OutlineSeal) -> tuple[str, ...]:
+    """Warn of design parameters of a file that move the boundary in the same way, and of limits that
+    permit a wall to be inverted."""
+    if not seal.n_offsets:
+        return ()
+    return (*dependent_parameters(seal), *inverting_limits(seal, design_bounds(file, seal)))
 
 
 def problem_settings(file: SealFile) -> dict:

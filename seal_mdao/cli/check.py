@@ -16,7 +16,7 @@ from seal_mdao.analysis.cost import duration
 from seal_mdao.cli.arguments import NAME_OF_FILE, checked_arguments, parser, write_summary
 from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.seal_files import file_of, filled, notices
-from seal_mdao.file_optimization import limit_warnings
+from seal_mdao.file_optimization import design_warnings
 from seal_mdao.progress import Waiting
 from seal_mdao.seals.outline.design_parameters import design_parameters
 from seal_mdao.seals.profiles import contacts
@@ -69,7 +69,7 @@ def main(arguments) -> int:
         "estimated_seconds_of_choice": choice,
         "estimated_seconds_of_output": OUTPUT_TIME,
         "estimated_memory_GiB": cost.memory,
-        "warnings": [*seal.warnings, *limit_warnings(file, seal)],
+        "warnings": [*seal.warnings, *design_warnings(file, seal)],
     }
     # the same content as printed
     write_summary(arguments.out, summary)

@@ -33,9 +33,9 @@ from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
     CHOSEN,
+    design_warnings,
     file_task,
     force_targets,
-    limit_warnings,
     measure_names,
     on_new_cloud,
     problem_settings,
@@ -60,7 +60,7 @@ def main(arguments) -> int:
     if arguments.restart:
         optimizer, chosen = continued(arguments.restart, file, arguments)
     file, seal = seal_of(file, chosen, checked_seal(arguments, file))
-    for text in limit_warnings(file, seal):
+    for text in design_warnings(file, seal):
         print(f"WARNING: {text}")
     cache = AnalysisCache()
 

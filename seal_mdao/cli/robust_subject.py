@@ -11,7 +11,7 @@ from seal_mdao.cli.arguments import checked_arguments
 from seal_mdao.cli.seal_files import file_errors
 from seal_mdao.cli.varied_seals import door_with_tolerances, file_with_tolerances
 from seal_mdao.door_optimization import DoorProblem, door_task, robust_door_task
-from seal_mdao.file_optimization import file_task, limit_warnings, require_problem
+from seal_mdao.file_optimization import design_warnings, file_task, require_problem
 from seal_mdao.measures.measure import Measure
 from seal_mdao.optimization import Limit, RunOptions, Task
 from seal_mdao.progress import LoadStepProgress
@@ -115,7 +115,7 @@ def _of_file(arguments, goal: RobustGoal, cache: AnalysisCache) -> Subject:
     seal = with_clearance(seal)
     with file_errors(arguments.file):
         require_problem(file, seal)
-        for text in limit_warnings(file, seal):
+        for text in design_warnings(file, seal):
             print(f"WARNING: {text}")
         task = file_task(file, _nominal_result(seal, cache))
     said = {"limits": [[own.measure, own.lower, own.upper] for own in task.sampled]}

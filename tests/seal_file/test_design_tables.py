@@ -9,7 +9,7 @@ from exact_gradients import require_exact
 import seal_mdao as sm
 from seal_mdao.cli.design_table import design_lines
 from seal_mdao.cli.subcommands import main
-from seal_mdao.file_optimization import design_bounds, limit_warnings
+from seal_mdao.file_optimization import design_bounds, design_warnings
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.export import write_design
@@ -165,7 +165,7 @@ opposite = "hole"
 )
 def test_limits_that_invert_a_wall_are_reported(tmp_path, designs, expected):
     file = sm.read_seal_file(written(tmp_path, designs))
-    found = limit_warnings(file, unchosen_seal(file))
+    found = design_warnings(file, unchosen_seal(file))
     assert len(found) == bool(expected)
     for text in found:
         assert text.startswith(f"within the limits (bound) of {expected}")
@@ -194,6 +194,50 @@ def test_check_and_optimize_warn_of_limits_that_invert_a_wall(tmp_path, monkeypa
     with pytest.raises(BegunError):
         main(["optimize", str(path), "--out", str(tmp_path / "out")])
     assert text in capsys.readouterr().out
+
+
+TWICE = """[[design]]
+vertex = [5.0, 5.0]
+directions = [{}]
+bound = 0.2
+"""
+CIRCLE = """[[design]]
+arc = [3.0, 5.0]
+bound = 0.2
+[[design]]
+edges = ["hole"]
+parameters = 6
+bound = 0.3
+"""
+
+
+@pytest.mark.parametrize(
+    ("designs", "expected"),
+    [
+        (TWICE.format('"x", "y"') + TWICE.format('"x"'), "0, 2 (boundary_offsets) of [[design]] 1 and"),
+        (TWICE.format('"x"') + TWICE.format('"y"'), ""),
+        (TWICE.format('"x"') + DESIGNS, ""),
+        (TWICE.format('"x"') + DESIGNS + TWICE.format('"x"'),
+         "0, 7 (boundary_offsets) of [[design]] 1 and [[design]] 5 do"),
+        # a radius is the sum of all offsets of the circle
+        (CIRCLE, "0, 1, 2, 3, 4, 5, 6 (boundary_offsets) of [[design]] 1 and [[design]] 2 do"),
+        (MIRRORED[: MIRRORED.index("[optimize]")], ""),
+    ],
+)  # fmt: skip
+def test_parameters_that_do_not_move_the_boundary_independently_are_reported(
+    tmp_path, designs, expected
+):
+    file = sm.read_seal_file(written(tmp_path, designs))
+    found = [own for own in design_warnings(file, unchosen_seal(file)) if "independently" in own]
+    assert len(found) == bool(expected)
+    assert all(expected in own for own in found)
+
+
+def test_equal_designs_add_up(tmp_path):
+    file = sm.read_seal_file(written(tmp_path, 2 * TWICE.format('"x"')))
+    seal = unchosen_seal(file)
+    both, one = seal.particles(np.array([0.1, 0.05])), seal.particles(np.array([0.15, 0.0]))
+    np.testing.assert_allclose(both, one, rtol=0.0, atol=1e-14)
 
 
 def test_printed_table_of_the_parameters(designed, monkeypatch):

@@ -1,10 +1,11 @@
 """Design parameters of a section as a table: where each one moves the boundary, in which direction, how
-far, and what it does to the area; and limits of them that invert a wall."""
+far, and what it does to the area; limits of them that invert a wall; dependent parameters."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import qr, solve_triangular
 from scipy.spatial import cKDTree
 
 from seal_mdao import values
@@ -15,6 +16,8 @@ ALONG = 0.2
 """Largest cosine between a velocity and the normal of an edge that it moves along."""
 SAME = 1e-9
 """Relative difference of equal velocities."""
+DEPENDENT = 1e-8
+"""Least part of a velocity that is no combination of others, over the velocity."""
 
 
 class DesignParameter(NamedTuple):
@@ -108,6 +111,39 @@ def inverting_limits(seal: OutlineSeal, bounds: np.ndarray) -> tuple[str, ...]:
         f"can move towards each other by {moved[worst]:.3g} mm, but the wall is only "
         f"{thickness[walls[worst]]:.3g} mm thick, so an optimisation may invert it; use a smaller "
         "bound",
+    )
+
+
+def dependent_parameters(seal: OutlineSeal) -> tuple[str, ...]:
+    """Warn of design parameters whose velocities of the boundary are linearly dependent: their effects
+    add up, and different values of them give the same section.
+
+    Returns
+    -------
+    tuple of str
+        Empty, or one warning about the tables of all these parameters.
+    """
+    velocity = _boundary(seal)[2].reshape(seal.n_offsets, -1)
+    # V^T P = Q R of the velocities divided by their lengths: |R_kk| falls
+    columns = (velocity / np.linalg.norm(velocity, axis=1, keepdims=True)).T
+    upper, order = qr(columns, mode="r", pivoting=True)
+    diagonal = np.abs(np.diagonal(upper))
+    rank = int(np.count_nonzero(diagonal > DEPENDENT * diagonal[0]))
+    if rank == seal.n_offsets:
+        return ()
+    # the dependent columns are combinations R_1 C = R_2 of the independent ones
+    combination = solve_triangular(upper[:rank, :rank], upper[:rank, rank:])
+    involved = np.concatenate(
+        [np.abs(combination).max(axis=1) > DEPENDENT, [True] * (seal.n_offsets - rank)]
+    )
+    indices = np.sort(order[involved])
+    tables = [f"[[design]] {number}" for number in np.unique(_tables(seal)[indices])]
+    named = ", ".join(map(str, indices))
+    return (
+        f"the design parameters {named} (boundary_offsets) of {' and '.join(tables)} do not move the "
+        "boundary independently: their effects add up, so that different values of them give the same "
+        "section, and a bound of one table does not limit the sum; leave out one of the tables, or let "
+        "them move different parts of the boundary or different directions",
     )
 
 
