@@ -11,7 +11,7 @@ from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.report.sample_section import samples_section
 from seal_mdao.report.write import write_report
 from seal_mdao.tolerances.design_comparison import SampledDesign
-from seal_mdao.tolerances.record import count_finished
+from seal_mdao.tolerances.record import count_finished, other_settings
 from seal_mdao.tolerances.tolerance_study import ToleranceStudy
 
 
@@ -22,6 +22,7 @@ def sampled(subject: Subject, name: str, design: tuple, arguments, workers) -> S
     ----------
     name : str
         Of the design; its first word is that of the file of samples, in which a second start continues.
+        A continued optimisation with another optimum replaces the samples of the earlier one.
     design : (ndarray, dict)
         Boundary offsets and parameters.
     """
@@ -30,11 +31,12 @@ def sampled(subject: Subject, name: str, design: tuple, arguments, workers) -> S
     wanted = tuple(map(subject.measure, names))
     study = ToleranceStudy(subject.seal, subject.tolerances, wanted, *design, subject.source)
     file = arguments.out / f"{name.split()[0]}.sqlite"
+    # next seed: samples independent of the scenarios
+    sampling = {"method": "sobol", "seed": arguments.seed + 1, "count": arguments.samples}
+    if arguments.restart and other_settings(file, study.settings(**sampling)) == ["design"]:
+        file.unlink()
     with SampleProgress(arguments.samples, name, count_finished(file)) as progress:
-        # next seed: samples independent of the scenarios
-        found = study.run(
-            file, arguments.samples, seed=arguments.seed + 1, workers=workers, callback=progress
-        )
+        found = study.run(file, **sampling, workers=workers, callback=progress)
     # failed samples satisfy no limit, and are in no quantile
     there = found.completed
     parts = study.task.by_measure(found.values[there])

@@ -93,6 +93,11 @@ class SolverCallbacks:
         self.lost = self.lost or (found is None and not self.eager)
         return found
 
+    def consider_recorded(self) -> None:
+        """Choose the best point also among the designs of the earlier run that is continued, which a
+        lower limit of iterations does not reach."""
+        self.best = min([self.best, *self.evaluator.recorded_points()], key=self._rank)
+
     def try_again(self) -> bool:
         """Forget failures and stagnation before a restart with other steps; return whether one is
         allowed."""

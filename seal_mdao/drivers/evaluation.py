@@ -6,7 +6,7 @@ the point as failed, and marks the recorded case as not successful, so that a re
 cannot mistake it for a result.
 """
 
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,9 @@ from seal_mdao.drivers.layout import ProblemLayout, flat
 from seal_mdao.openmdao_access import FailedCases
 from seal_mdao.recording.evaluations import UNFINISHED, RecordedEvaluations, recorded_jacobian
 from seal_mdao.recording.recorder_file import Case
+
+INSIDE = 1e-9
+"""Distance from the bounds within which a recorded design satisfies them, in driver scaling."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,25 @@ class ModelEvaluator:
         if isinstance(found, str):
             raise AnalysisError(found)
         return self._execute(x) if found is None else found
+
+    def recorded_points(self) -> list[Evaluation]:
+        """Return the values at all designs of the earlier run that is continued.
+
+        Nothing is analysed, and the model is left as it is.
+        """
+        if self._recorded is None:
+            return []
+        found, restore_state = [], access.snapshot(access.problem_of(self.driver).model)
+        for case in self._recorded.cases():
+            self._recorded.restore(case)
+            x = flat(self.driver.get_design_var_values())
+            # values that are not finite were recorded as no failure by another driver
+            with suppress(AnalysisError):
+                # a run without ``restart`` may have other bounds
+                if np.allclose(self.layout.clip(x), x, rtol=0.0, atol=INSIDE):
+                    found.append(self._values_at(self.layout.clip(x)))
+        restore_state()
+        return found
 
     def totals(self, x: NDArray[np.float64]):
         """Return the gradient of the objective (n,) and the Jacobian of all constraints (m, n) at ``x``.

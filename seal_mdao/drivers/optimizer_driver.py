@@ -58,11 +58,12 @@ class OptimizerDriver(access.DriverHooks):
     unchanged.
 
     A successful run leaves the model at the optimiser's result, any other one at the best feasible
-    point found, or the least infeasible one. A run that was not ended by a limit or Ctrl-C counts as
-    a success if that point satisfies the optimality conditions, see `Optimality`, be it at a kink that
-    no direction improves, see `Kink`. Components with a method ``contact_states``, states by name, have
-    the states that change there named. Those with a method ``faults``, texts, have the faults of the
-    final design reported by an ``UntrustworthyResultWarning``.
+    point found, or the least infeasible one; those of a continued run are among them. A run that was
+    not ended by a limit or Ctrl-C counts as a success if that point satisfies the optimality
+    conditions, see `Optimality`, be it at a kink that no direction improves, see `Kink`. Components
+    with a method ``contact_states``, states by name, have the states that change there named. Those
+    with a method ``faults``, texts, have the faults of the final design reported by an
+    ``UntrustworthyResultWarning``.
 
     A run that tries nearly the same designs on both sides of a jump of the model is stopped, and its
     message names what jumps, see `Stagnation`.
@@ -168,6 +169,8 @@ class OptimizerDriver(access.DriverHooks):
             # options are checked before the first analysis
             solve = self.prepare(callbacks)
             end = solve(callbacks.start(lambda: access.prepare_coloring(self)))
+            if callbacks.stopping or not end.success:
+                callbacks.consider_recorded()
             # the search for a kink analyses designs that are nearly the same, too
             stagnation, callbacks.stagnation = callbacks.stagnation, Stagnation()
             # many stops are successes in fact: check the KKT conditions independently

@@ -96,6 +96,10 @@ class RecordedEvaluations:
         """Return the recorded evaluation of the design that is in the model."""
         return self._by_design.get(_key(self._design()))
 
+    def cases(self) -> list[Case]:
+        """Return the recorded evaluations that did not fail, one for each design."""
+        return [case for case in self._by_design.values() if not case.failure]
+
     def note_recorded(self) -> None:
         """Note that the design in the model has been recorded after all others."""
         self._last = _key(self._design())

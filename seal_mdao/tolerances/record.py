@@ -75,8 +75,7 @@ class StudyRecord:
                 "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT)"
             )
             # a new file has no settings yet
-            there = dict(self._file.execute("SELECT key, value FROM study"))
-            different = [key for key, value in settings.items() if there.get(key, value) != value]
+            different = other_settings(self.path, settings)
             if different:
                 raise StudyFileError(
                     f"{self.path} was written by a tolerance study with another {different[0]}; "
@@ -148,6 +147,18 @@ class StudyRecord:
 
     def __exit__(self, *exception) -> None:
         self.close()
+
+
+def other_settings(path, settings: dict) -> list[str]:
+    """List the settings that differ from those in the file of a study; empty without such a file."""
+    if not Path(path).is_file():
+        return []
+    try:
+        with closing(sqlite3.connect(path)) as file:
+            there = dict(file.execute("SELECT key, value FROM study"))
+    except sqlite3.DatabaseError:  # ``StudyRecord`` says what is wrong with it
+        return []
+    return [key for key, value in settings.items() if there.get(key, value) != value]
 
 
 def count_finished(path) -> int:

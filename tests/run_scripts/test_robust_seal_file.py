@@ -2,6 +2,7 @@
 
 import json
 import re
+import sqlite3
 
 import numpy as np
 import pytest
@@ -62,6 +63,27 @@ def test_robust_run_of_a_seal_file_goes_on_in_another_folder(robust, run_script,
     assert again["reused_evaluations"] > 0
     assert again["boundary_offsets"] == s["boundary_offsets"]
     assert again["compared"] == s["compared"]
+
+
+def test_a_continued_run_has_the_best_of_all_recorded_designs(robust, run_script, tmp_path):
+    """In the same folder, whose samples are those of another optimum."""
+    own = list(robust[3])
+    limit = own.index("--max-iterations") + 1
+    ended = []
+    for count in (1, 4, 1):
+        own[limit] = count
+        code, s = run_script("robust", tmp_path, *own)
+        assert code in (0, 1)
+        samples = sqlite3.connect(tmp_path / "robust.sqlite")
+        (label,) = samples.execute("SELECT value FROM study WHERE key = 'design'").fetchone()
+        samples.close()
+        end = s["history"][-1]
+        assert end["max_constraint_violation"] < 1e-5
+        ended.append((label, end["objective_ratio"]))
+    assert ended[0][0] != ended[1][0]
+    # a lower limit does not lose the better designs of the run before
+    assert ended[2][1] < ended[0][1]
+    assert ended[2][1] == pytest.approx(ended[1][1], rel=1e-5)
 
 
 def test_options_of_the_door_seal_are_refused(robust, run_script, tmp_path, capsys):
