@@ -101,7 +101,7 @@ def read_layout(driver: Driver) -> ProblemLayout:
     Raises
     ------
     RuntimeError
-        If the problem has no design variables.
+        If the problem has no design variables, or an objective with several entries.
     ValueError
         If a lower bound lies above its upper bound.
     """
@@ -111,6 +111,7 @@ def read_layout(driver: Driver) -> ProblemLayout:
     c_lower, c_upper = _bounds(access.scaled_bounds(driver, "constraint"), constraints)
     if not x_lower.size:
         raise RuntimeError("Problem has no design variables.")
+    require_single_objective(driver)
     # constraints whose responses depend on no design variable
     active = np.ones(c_lower.size, dtype=bool)
     for name in access.constant_constraints(driver):
@@ -119,6 +120,18 @@ def read_layout(driver: Driver) -> ProblemLayout:
         desvars, constraints, access.nonlinear_responses(driver), access.linear_constraints(driver),
         x_lower, x_upper, c_lower, c_upper, active,
     )  # fmt: skip
+
+
+def require_single_objective(driver: Driver) -> None:
+    """Raise RuntimeError for an objective that is an array of several numbers."""
+    for name, value in driver.get_objective_values().items():
+        if np.size(value) != 1:
+            raise RuntimeError(
+                f"{driver.msginfo}: the objective {name!r} has {np.size(value)} entries, but an "
+                "objective must be a single number; choose one entry (add_objective(..., index=0)), or "
+                "an output with a single value, such as gap_square_sum in place of gap; limits of "
+                "all entries are a constraint (add_constraint)"
+            )
 
 
 def flat(values: dict) -> NDArray[np.float64]:

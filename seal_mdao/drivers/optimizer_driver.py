@@ -147,7 +147,7 @@ class OptimizerDriver(access.DriverHooks):
         Raises
         ------
         RuntimeError
-            If the problem has no objective or no design variables.
+            If the problem has no objective or no design variables, or an objective with several entries.
         ValueError
             If the optimiser rejects an entry of ``opt_settings``.
         AnalysisError

@@ -7,7 +7,7 @@ import openmdao.api as om
 from tqdm import tqdm
 
 from seal_mdao.components.failures import warn_of_faults
-from seal_mdao.drivers.layout import flat, read_layout
+from seal_mdao.drivers.layout import flat, read_layout, require_single_objective
 from seal_mdao.drivers.optimizer_driver import VIOLATED
 from seal_mdao.drivers.solver_libraries import count, tolerance
 from seal_mdao.openmdao_access import (
@@ -58,11 +58,14 @@ class SlsqpDriver(FailedCases, TotalsInUnits, ScipyIterations):
         ------
         ValueError
             For an invalid tolerance or iteration limit, or a negative scaler.
+        RuntimeError
+            For an objective with several entries.
         """
         # OpenMDAO's driver does not check its options
         tolerance("tol", self.options["tol"])
         count("maxiter", self.options["maxiter"])
         _require_positive_scalers(self)
+        require_single_objective(self)
         self.failed_analyses, self.case_failure, self.exit_message = 0, "", ""
         model = self._model = problem_of(self).model
         self._restore = self._scipy_optimize_result = None

@@ -16,6 +16,8 @@ from driver_models import (
 )
 from openmdao.utils.om_warnings import DriverWarning
 
+import seal_mdao as sm
+
 SOLUTION = [2.0, -2.0, 1.0, 0.5]
 
 
@@ -34,6 +36,21 @@ def test_no_objective(make_driver):
     prob.setup()
     with pytest.raises(RuntimeError, match="requires objective to be declared"):
         prob.run_driver()
+
+
+@pytest.mark.parametrize("make", [sm.UnoDriver, sm.IpoptDriver, sm.SlsqpDriver])
+def test_objective_of_several_entries(make):
+    """Refused before anything is analysed."""
+    prob = om.Problem(driver=make(), reports=None)
+    numbers = om.ExecComp("f = (x - 1)**2", x=np.zeros(3), f=np.zeros(3), do_coloring=False)
+    prob.model.add_subsystem("c", numbers, promotes=["*"])
+    prob.model.add_design_var("x", indices=[1], lower=-2.0, upper=2.0)
+    prob.model.add_objective("f")
+    prob.setup()
+    text = f"{make.__name__}: the objective 'f' has 3 entries, but an objective must be a single number"
+    with pytest.raises(RuntimeError, match=text):
+        prob.run_driver()
+    assert numbers.iter_count == 0
 
 
 def test_no_design_variable(make_driver):
