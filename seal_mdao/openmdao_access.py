@@ -411,6 +411,19 @@ def snapshot(model: Group) -> Callable[[], None]:
     return restore
 
 
+def doe_failure(driver: Driver) -> str:
+    """Return why the case of a ``DOEDriver`` that is being recorded failed; empty for a success, and for
+    other drivers.
+
+    ``DOEDriver`` notes the failure as the traceback of the exception, but does not record it.
+    """
+    # an attribute of the driver from its first case
+    noted = getattr(driver, "_metadata", None) if isinstance(driver, om.DOEDriver) else None
+    if not noted or noted["success"]:
+        return ""
+    return noted["msg"].strip().splitlines()[-1]
+
+
 def silence_after_failure(driver: Driver) -> None:
     """Reset the depth of the failed analysis in the tree of solvers, which indents their output."""
     problem_of(driver).model._clear_iprint()

@@ -8,7 +8,13 @@ from pathlib import Path
 import numpy as np
 from openmdao.core.driver import Driver
 
-from seal_mdao.openmdao_access import SqliteHooks, find_value, problem_of, run_afterwards
+from seal_mdao.openmdao_access import (
+    SqliteHooks,
+    doe_failure,
+    find_value,
+    problem_of,
+    run_afterwards,
+)
 from seal_mdao.recording import run_log
 from seal_mdao.recording.claim import claim, require_free
 from seal_mdao.recording.plain_reading import without_programs
@@ -90,8 +96,11 @@ class RestartRecorder(SqliteHooks):
             self._seals = inputs_of_seals(model), outputs_of_seals(model)
         self._add_inputs(driver, data)
         _remove_not_computed(driver, data)
-        if metadata["success"] and self._has_failed(driver):
-            metadata = metadata | {"success": 0, "msg": "the analysis of a seal failed"}
+        failure = doe_failure(driver)
+        if not failure and self._has_failed(driver):
+            failure = "the analysis of a seal failed"
+        if metadata["success"] and failure:
+            metadata = metadata | {"success": 0, "msg": failure}
         self._log_begin()
         super().record_iteration_driver(driver, data, metadata)
 

@@ -7,6 +7,7 @@ from openmdao.core.driver import Driver
 
 import seal_mdao as sm
 from seal_mdao.components.rkpm_contact_comp import RkpmContactComp
+from seal_mdao.recording.recorded_optimization import read_optimization
 
 SIZES = (0.0, 1.3, 0.1, 3.0, 0.05)
 """Of the offsets of five designs; those of the second fold the wall, those of the fourth exceed it."""
@@ -168,6 +169,43 @@ def test_restart_recorder_marks_failed_cases_of_every_kind_of_seal(short, kind):
     for case in found:
         (slopes,) = case.derivatives.values()
         assert (np.isfinite(slopes) if case.success else np.isnan(slopes)).all()
+
+
+class Price(om.ExplicitComponent):
+    """A component of a user that fails for some forces."""
+
+    def setup(self):
+        self.add_input("force", units="N/m")
+        self.add_output("price")
+        self.declare_partials("*", "*", method="fd")
+
+    def compute(self, inputs, outputs):
+        if inputs["force"] > 50.0:
+            raise om.AnalysisError("no price for this force")
+        outputs["price"] = 2.0 * inputs["force"]
+
+
+def test_restart_recorder_marks_failed_cases_of_other_components(short):
+    """The outputs of the component that failed have the values of the case before."""
+    cases = [[("c10", value)] for value in (40.0, 160.0, 45.0)]
+    problem = om.Problem(driver=om.DOEDriver(om.ListGenerator(cases)), reports=None)
+    group = sm.SealGroup(seal=short, measures=("reaction",), parameters=("c10",))
+    problem.model.add_subsystem("seal", group, promotes=["*"])
+    problem.model.add_subsystem("shop", Price(), promotes=["price"])
+    problem.model.connect("reaction", "shop.force", src_indices=[1])
+    problem.model.add_design_var("c10", lower=-10.0, upper=200.0)
+    problem.model.add_objective("price")
+    problem.driver.add_recorder(sm.RestartRecorder("doe.sql"))
+    problem.setup()
+    problem.run_driver()
+    problem.cleanup()
+    path = problem.get_outputs_dir() / "doe.sql"
+    reader = om.CaseReader(path)
+    found = [reader.get_case(name) for name in reader.list_cases("driver", out_stream=None)]
+    assert [case.success for case in found] == [1, 0, 1]
+    assert found[1].msg.endswith("no price for this force")
+    history = read_optimization(path)
+    assert (len(history.objective), history.failed) == (2, 1)
 
 
 def test_restart_recorder_does_not_mark_scenarios_that_were_left_out(short):
