@@ -419,7 +419,8 @@ bound = 0.2
         (
             SYMMETRIC_WALL,
             (),
-            "[[design]] 1 of seal.toml is left out, .* no edge is the mirror image",
+            "[[design]] 1 of seal.toml is left out, .* no edge is the mirror image .*, a closed edge "
+            "such as a circle as two arcs that meet in the plane, or leave out mirror",
         ),
         (DEFORMED_CIRCLE, (2, 5), "[[design]] 2 of seal.toml is left out, .* is not an arc"),
     ],

@@ -156,9 +156,13 @@ def _image(sampled, name: str, plane: MirrorPlane) -> tuple[str, float]:
         c = path.mirrored_start(sampled.path(other), plane)
         if c is not None:
             return other, c
+    remedy = "draw the section symmetric to this plane"
+    if path.stretch.closed:
+        # the particles of a circle need not be symmetric to the plane; those of two halves are
+        remedy += ", a closed edge such as a circle as two arcs that meet in the plane"
     raise ValueError(
         f"no edge is the mirror image of {name!r} in the plane {'xy'[plane.axis]} = {plane.at:g}; "
-        "draw the section symmetric to this plane, or leave out mirror"
+        f"{remedy}, or leave out mirror"
     )
 
 
