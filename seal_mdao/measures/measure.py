@@ -243,10 +243,12 @@ class Measure:
         raise NotImplementedError
 
     def of(self, result) -> tuple[np.ndarray, Partials]:
-        """Evaluate values (M,) and partial derivatives."""
+        """Evaluate values (M,) and partial derivatives, which are NaN for values that are NaN."""
         # m and its partial derivatives in u, F, forces, outputs, X and parameters
         partials = Partials(result.path, self.size(result.seal))
         values = np.atleast_1d(np.asarray(self.evaluate(result, partials), float))
+        # of a value that does not exist, such as a time that is not reached: 0 would be wrong
+        partials.particles[np.isnan(values)] = np.nan
         return values, partials
 
 

@@ -104,6 +104,10 @@ def test_a_fraction_that_is_not_reached_is_no_number(tmp_path):
     result = sm.analyze(exact_seal(tmp_path, given), keep_factors=True)
     forces = result.path.reaction("lid")[:, 1]
     assert np.isnan(result.value("time_to_force_fraction")[0])
+    for method in ("direct", "adjoint"):
+        rates = sm.differentiate(result, ("c10",), method=method)
+        assert np.isnan(rates.time_to_force_fraction).all()
+        assert np.isfinite(rates.reaction).all()
     (said,) = [text for text in result.warnings if "decreases only to" in text]
     assert (
         f"within the dwell of 250 s the force decreases only to {forces[7] / forces[2]:.4g} of"
