@@ -427,7 +427,8 @@ def _allowed_depth(samples: EvaluationPoints, sides: np.ndarray) -> tuple[np.nda
         own = term.where.of_particles
         points[own, 1] = np.arange(len(own))
         points[own[::-1], 0] = np.arange(len(own))[::-1]
-        one, other = np.moveaxis(points[ends].reshape(len(ends), 2, -1), 1, 0)
+        # of both sides of a pair the points at both ends; there may be no pair
+        one, other = np.moveaxis(points[ends].reshape(len(ends), 2, 2 * points.shape[1]), 1, 0)
         one, other = one[:, :, None], other[:, None, :]
         # any end of one side may touch any end of the other
         touch = (term.allowed[one, other] & (one >= 0) & (other >= 0)).any(axis=(1, 2))

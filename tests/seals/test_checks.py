@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import openmdao.api as om
 import pytest
+from seal_file.block_files import FIXED, LID, text
 
 import seal_mdao as sm
 from seal_mdao.rkpm.cells import sides_of
@@ -196,6 +197,16 @@ def test_component_raises_an_analysis_error_that_names_it():
     problem.setup()
     with pytest.raises(om.AnalysisError, match="crosses itself"):
         problem.run_model()
+
+
+def test_walls_that_do_not_touch_each_other_have_no_crossing(tmp_path):
+    """Self-contact that nothing has reached at the end of the path."""
+    path = tmp_path / "block.toml"
+    apart = '[self_contact]\nedges = ["left", "right"]\nfriction = 0.5\n'
+    penalties = "normal_penalty = 1e4\ntangent_penalty = 1e3\n"
+    path.write_text(text(FIXED, LID, apart + penalties), encoding="utf-8")
+    found = sm.analyze(sm.build_seal(path)).warnings
+    assert not [own for own in found if "crosses itself" in own]
 
 
 def test_path_that_failed_has_a_failure_and_no_warnings(buckled):
