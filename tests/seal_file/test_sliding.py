@@ -1,5 +1,7 @@
 """A body that nothing prevents from sliding along a line is refused: its position is arbitrary."""
 
+import re
+
 import numpy as np
 import pytest
 from ring_files import HEAD
@@ -33,6 +35,55 @@ def test_a_section_that_can_slide_is_refused(tmp_path, tables):
 ])  # fmt: skip
 def test_supports_friction_and_inclined_profiles_prevent_sliding(tmp_path, tables):
     assert file_of(tmp_path, *tables).fixed_edges is not None
+
+
+UPPER = """outer = [
+  { edge = "base", line = [[-4, 0], [4, 0]] }, { edge = "right", line = [[4, 0], [4, 2]] },
+  { edge = "joint", line = [[4, 2], [-4, 2]] }, { edge = "left", line = [[-4, 2], [-4, 0]] },
+  { body = 2, edge = "under", line = [[-4, 2.01], [4, JOINT]] },
+  { body = 2, edge = "upper_right", line = [[4, JOINT], [4, 4]] },
+  { body = 2, edge = "top", line = [[4, 4], [-4, 4]] },
+  { body = 2, edge = "upper_left", line = [[-4, 4], [-4, 2.01]] },
+]
+"""
+BETWEEN = '[self_contact]\nedges = ["joint", "under"]\n'
+PAIR = '[[self_contact.pair]]\nedges = ["joint", "under"]\nfriction = {}\n'
+
+
+def stack_of(folder, *tables, joint="2.01"):
+    """The block of two bodies that lie on each other."""
+    one = text(*tables)
+    outer = one[one.index("outer = [") : one.index("]\n", one.index("left"))] + "]\n"
+    path = folder / "stack.toml"
+    path.write_text(one.replace(outer, UPPER.replace("JOINT", joint)), encoding="utf-8")
+    return sm.read_seal_file(path)
+
+
+@pytest.mark.parametrize(("tables", "what"), [
+    ([FIXED, LID + DOWN, BETWEEN + "friction = 0.0\n"], "body 2 (edge 'under')"),
+    ([FIXED, LID + DOWN, BETWEEN + PAIR.format(0.0)], "body 2 (edge 'under')"),
+    ([FIXED, LID + DOWN, BETWEEN + "friction = 0.3\n" + PAIR.format(0.0)], "body 2 (edge 'under')"),
+    # held by each other alone
+    ([ROLLERS, LID + DOWN, BETWEEN + "friction = 0.3\n"],
+     "body 1 (edge 'base'), together with body 2,"),
+])  # fmt: skip
+def test_a_body_that_can_slide_on_another_one_is_refused(tmp_path, tables, what):
+    """An analysis moved it by 1.2 m without a message."""
+    with pytest.raises(
+        SealFileError, match=re.escape(what) + " can slide along x without resistance"
+    ):
+        stack_of(tmp_path, *tables)
+
+
+@pytest.mark.parametrize(("tables", "joint"), [
+    ([FIXED, LID + DOWN, BETWEEN + "friction = 0.3\n"], "2.01"),
+    ([FIXED, LID + DOWN, BETWEEN + PAIR.format(0.3)], "2.01"),
+    ([FIXED, LID.replace("0.0", "0.2") + DOWN, BETWEEN + "friction = 0.0\n"], "2.01"),
+    # an inclined joint
+    ([FIXED, LID + DOWN, BETWEEN + "friction = 0.0\n"], "2.5"),
+])  # fmt: skip
+def test_contact_between_bodies_prevents_sliding(tmp_path, tables, joint):
+    assert len(stack_of(tmp_path, *tables, joint=joint).section.outline.bodies) == 2
 
 
 def test_the_line_between_inclined_plates_is_named(tmp_path):
