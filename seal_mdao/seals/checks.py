@@ -28,6 +28,7 @@ from seal_mdao.seals.local_states import (
     beside_fixed_ends,
     meaningless_states,
 )
+from seal_mdao.seals.lost_bodies import lost_bodies
 from seal_mdao.seals.missing_contact import buried_edges, same_profiles
 from seal_mdao.seals.overlap import crossings, overlap_depths
 from seal_mdao.values import place as _at
@@ -88,7 +89,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
         samples = EvaluationPoints(path)
         checks = (
             _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _fluids, _strains, _creases, _side,
+            _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -210,6 +211,12 @@ def _creases(samples: EvaluationPoints):
     text = creases(samples)
     if text:
         yield Finding(text, False)
+
+
+def _lost(samples: EvaluationPoints):
+    """Report bodies that nothing holds."""
+    for text in lost_bodies(samples.path):
+        yield Finding(text, True)
 
 
 def _side(samples: EvaluationPoints):

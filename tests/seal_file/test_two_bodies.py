@@ -1,5 +1,6 @@
 """Two bodies in one file that press on each other, against one layered block and its exact solution."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,21 @@ def read(folder, text):
     path = folder / "stack.toml"
     path.write_text(text)
     return sm.read_seal_file(path)
+
+
+def test_a_body_that_nothing_holds_at_first_is_no_result(tmp_path):
+    """Friction between the bodies would hold the upper one, but a gap separates them at the start."""
+    text = STACK.format(spacing=1.0).replace(', "upper_left", "upper_right"]', "]")
+    text = text.replace('"under"]\nfriction = 0.0', '"under"]\nfriction = 0.2')
+    result = sm.analyze(sm.build_seal(read(tmp_path, text)))
+    assert not result.trustworthy
+    (said,) = [own for own in result.warnings if "nothing holds it" in own]
+    assert re.match(r"the body near x = 3(\.00)?, y = 3\.01 has moved by \d+", said)
+    assert "although no profile moves by more than 0.41 mm" in said
+    # with friction at the plate it stays between plate and lower body
+    held = text.replace('name = "plate"\nfriction = 0.0', 'name = "plate"\nfriction = 0.2')
+    result = sm.analyze(sm.build_seal(read(tmp_path, held)))
+    assert not [own for own in result.warnings if "nothing holds it" in own]
 
 
 @pytest.fixture

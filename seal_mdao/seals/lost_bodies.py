@@ -1,0 +1,70 @@
+"""Bodies without supports that have moved away because nothing holds them."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from seal_mdao.analysis.path_result import PathResult
+from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.values import place
+
+
+def lost_bodies(path: PathResult) -> Iterator[str]:
+    """Yield a text about every body that has moved farther than profiles and supports can push it.
+
+    The limit is the size of the section and the largest displacement of a profile or of a prescribed
+    particle. Bodies with a prescribed particle are left out.
+    """
+    disc = path.discretization
+    of_body = _bodies(disc.body.cells, disc.body.n_particles)
+    prescribed = disc.body.fixed.any(axis=1)
+    size = float(np.ptp(disc.particles, axis=0).max())
+    pushed = max(_largest_motion(path), _largest(path, prescribed))
+    end = path.displacement()
+    for number in range(of_body.max() + 1):
+        own = of_body == number
+        # particles that belong to no cell are none of a body
+        if own.sum() < 3 or prescribed[own].any():
+            continue
+        distance = float(np.hypot(*end[own].mean(axis=0)))
+        if not distance <= size + pushed:
+            yield (
+                f"the body near {place(disc.particles[own].mean(axis=0))} has moved by "
+                f"{distance:.3g} mm, although no profile moves by more than {pushed:.3g} mm, so nothing "
+                "holds it; fix one of its edges ([fixed] with directions), give the profiles that touch "
+                "it friction, or let it touch its supports at the start"
+            )
+
+
+def _bodies(cells: np.ndarray, count: int) -> np.ndarray:
+    """Number the bodies of ``count`` particles that cells (m, 4) connect, shape (count,)."""
+    sides = np.stack([cells, np.roll(cells, 1, axis=1)], axis=-1).reshape(-1, 2)
+    graph = coo_array((np.ones(len(sides)), tuple(sides.T)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def _largest_motion(path: PathResult) -> float:
+    """Compute how far a profile carries the corners of the section's bounding box, mm, at most."""
+    low, high = (own(path.discretization.particles, axis=0) for own in (np.min, np.max))
+    corners = np.array([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])])
+    found = 0.0
+    for term in path.problem.terms:
+        if isinstance(term, ContactTerm):
+            first = term.motion.pose(0.0)
+            others = (term.motion.pose(step.fraction) for step in path.nominal_steps)
+            # x' = c + Q^T (x - z - c) at the start
+            own = (corners - first.position - first.pivot) @ first.matrix + first.pivot
+            moved = [np.hypot(*(pose.places(own) - corners).T).max() for pose in others]
+            found = max(found, *moved, 0.0)
+    return float(found)
+
+
+def _largest(path: PathResult, particles: np.ndarray) -> float:
+    """Compute the largest displacement of some particles over all nominal steps, mm."""
+    steps = range(len(path.nominal_steps))
+    return max(
+        (float(np.hypot(*path.displacement(k)[particles].T).max(initial=0.0)) for k in steps),
+        default=0.0,
+    )
