@@ -533,24 +533,25 @@ def _inside_profiles(samples: EvaluationPoints):
 
 
 def _below_base(samples: EvaluationPoints):
-    """Report a boundary below the plane of a straight fixed base, with which there is no contact."""
+    """Report a boundary below the plane of a straight base, fixed or moved, with which there is no
+    contact."""
     body = samples.path.discretization.body
     # only a base with both components fixed supports the seal
     base = body.edges.get("base")
     if base is None or not body.fixed[base.particles].all():
         return
-    x = samples.path.discretization.particles[base.particles]
-    # outward normal: tangent turned clockwise, body on the left
-    along = (x[-1] - x[0]) / np.linalg.norm(x[-1] - x[0])
-    outward = np.array([along[1], -along[0]])
+    # the base before and after deformation: a moved one carries its plane with it
+    undeformed, deformed = samples.undeformed[base.particles], samples.places[base.particles]
+    outward = _outward(undeformed)
     # bases that are not straight have no plane
-    if np.abs((x - x[0]) @ outward).max() > 1e-6 * samples.wall:
+    if np.abs((undeformed - undeformed[0]) @ outward).max() > 1e-6 * samples.wall:
         return
     which = np.unique(samples.chains)
     # a part of the section that lies below in the undeformed state is not on the base
-    which = which[(samples.undeformed[which] - x[0]) @ outward <= SLIGHT * samples.wall]
+    height = (samples.undeformed[which] - undeformed[0]) @ outward
+    which = which[height <= SLIGHT * samples.wall]
     # distance of the deformed boundary below the plane of the base
-    depth = (samples.places[which] - x[0]) @ outward
+    depth = (samples.places[which] - deformed[0]) @ _outward(deformed)
     worst = int(np.argmax(depth))
     if depth[worst] > SLIGHT * samples.wall:
         yield Finding(
@@ -559,3 +560,10 @@ def _below_base(samples: EvaluationPoints):
             "fix the base over its full width, or add the support as a [[profile]]",
             False,
         )
+
+
+def _outward(x: np.ndarray) -> np.ndarray:
+    """Compute the outward unit normal (2,) of a straight edge through points (k, 2) in order."""
+    # tangent turned clockwise, body on the left
+    along = (x[-1] - x[0]) / np.linalg.norm(x[-1] - x[0])
+    return np.array([along[1], -along[0]])

@@ -88,3 +88,11 @@ def test_a_plane_of_symmetry_is_no_free_surface(warnings):
     stage = "stage = [{ translate = [0, -1.5], steps = 8 }]\n"
     _, found = warnings(RUBBER + SQUARE + HALF + LID.format(0.0, 1.0, 7.0) + stage)
     assert "free surface" not in found
+
+
+def test_a_seal_does_not_sink_below_a_base_that_is_moved(warnings):
+    """The base carries its plane with it, down and turned."""
+    moved = '[[moved]]\nedges = ["base"]\npivot = [2, 0]\n'
+    moved += "stage = [{ translate = [0.5, -1.0], rotate = 30, steps = 4 }]\n"
+    _, found = warnings(RUBBER + SQUARE + moved)
+    assert "sinks" not in found
