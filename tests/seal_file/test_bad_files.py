@@ -405,6 +405,8 @@ BAD = {
     "many turns": ("rotate = 0.0", "rotate = 1e9", "a number of at least -3600 and at most 3600"),
     "no penalty": (DOOR, DOOR + "\nnormal_penalty = 0.0", "normal_penalty = 0.0, but it must be a numb"),
     "no stage": (*without(STAGES), "[[profile]]: nothing moves, because no profile has"),
+    "heat without stages": (BULB, "[model]\ntemperature = [60, 80]\n" + BULB.replace(STAGES, "").replace(
+        "bulk_modulus", "expansion = 2e-4\nbulk_modulus"), "[[profile]]: nothing moves, because no pro"),
     "stage no list": (STAGES, "[profile.stage]\nsteps = 3\n", "profile.stage must be a list of tables"),
     "some steps": (*without("steps = 60\n"), "load steps (steps), but [[profile]] 1 ('door'"
                    "): [[profile.stage]] 1 has none; give steps in all stages"),
@@ -506,7 +508,10 @@ BAD = {
                     "such measure; it must be the name of a [[measure]] (contact_width)"),
     "aim misspelt": ('"section_area"', '"section_aera"', "(did you mean 'section_area'?)"),
     "aim with several values": ('"section_area"', '"gap"', "has several values; minimise a"),
-    "aim needs more": ('"section_area"', '"cavity_area"', "minimize = 'cavity_area', but there is no "),
+    "aim needs more": ('"section_area"', '"cavity_area"', "[optimize]: minimize = 'cavity_area': the "
+                       "key 'edge' is missing; it must be a text that is not empty; add a [[measure"),
+    "aim needs two": ('"section_area"', '"retained_force"', "[optimize]: minimize = 'retained_force': "
+                      "the key stage or time must have two numbers"),
     "no bounds": (*without("lower = 40.0\nupper = 60.0\n"), "[[optimize.constraint]] 1: a constraint "),
     "bounds the other way": ("lower = 40.0", "lower = 70.0", "lower = 70 is above the upper limit"),
     "bound a text": ("lower = 40.0", 'lower = "40"', "[[optimize.constraint]] 1: lower = '40', but it"),
@@ -524,6 +529,7 @@ OF_A_FORM = re.compile(
 FINER = {
     "odd name", "odd measure name", "stable no range", "shares back", "shares to less",
     "no direction of a force", "uneven steps", "constant infinite",
+    "aim needs more",
 }  # fmt: skip
 """Forms that a schema does not describe to the end."""
 

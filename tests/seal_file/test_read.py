@@ -61,6 +61,12 @@ def test_the_tables_of_a_file_become_decisions():
         file.section.spacing = 1.0
 
 
+def test_optimize_may_name_a_type_all_of_whose_keys_have_defaults(tmp_path):
+    cavity = ("[fixed]", "[[cavity]]\nhole = 1\n[fixed]")
+    file = changed(tmp_path, cavity, ('minimize = "section_area"', 'minimize = "cavity_pressure"'))
+    assert file.measures[1].cavity == "air"
+
+
 @pytest.mark.parametrize("start", ["[0.0, 13.9]", "[1.0, 12.0]"])
 def test_the_start_that_a_message_proposes_is_clear(tmp_path, start):
     with pytest.raises(sm.SealFileError, match="such as start = ") as caught:

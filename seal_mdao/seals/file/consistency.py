@@ -32,6 +32,8 @@ COLUMNS = ("value", "converged")
 
 def check(file) -> None:
     """Raise SealFileError for a ``SealFile`` whose tables contradict each other."""
+    # values at the ends of stages need stages
+    _check_steps(file)
     # the section and its materials, then all that names its edges
     check_section(file)
     check_axisymmetric(file)
@@ -49,7 +51,6 @@ def check(file) -> None:
         check_edges(f"[[term]] {number}", "edges", term.edges, file.section.outline)
     # what refers to profiles, steps and names
     _check_measures(file)
-    _check_steps(file)
     _check_fluids(file)
     _check_labels(file)
     # contact of every profile, and whether it touches where nothing else holds the body

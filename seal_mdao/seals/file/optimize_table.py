@@ -3,13 +3,13 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import TypeAdapter, model_validator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.forms import Form, Text, many, number
 from seal_mdao.seals.file.measure_table import MeasureTable
 from seal_mdao.seals.file.measure_types import EXTENSIONS, KINDS
-from seal_mdao.seals.file.schema import Table, key, rows, suggestion, table
+from seal_mdao.seals.file.schema import Table, checked, key, rows, suggestion, table
 
 Bound = Annotated[
     number() | many(number(), "a list of numbers"),
@@ -102,18 +102,19 @@ def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTabl
         kind = EXTENSIONS.found(name) or KINDS.get(name)
     except ValueError as error:
         raise SealFileError(f"{where}: {error}") from None
-    # the name of a type is enough where its table needs no other key
-    if kind is not None and all(own.default is None for own in _further(kind)):
-        every.append(kind(type=name).settled(where.partition(": ")[0], profiles))
-        return every[-1]
-    close = suggestion(name, [*names, *KINDS])
-    raise SealFileError(
-        f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a "
-        f"[[measure]] ({', '.join(names) or 'the file has none'}), or a type that needs no further "
-        "keys, such as section_area or reaction"
-    )
-
-
-def _further(kind: type[MeasureTable]) -> list:
-    """List the keys of a type of measure beside ``type``."""
-    return [own for name, own in kind.entries().items() if name != "type"]
+    if kind is None:
+        close = suggestion(name, [*names, *KINDS])
+        raise SealFileError(
+            f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a "
+            f"[[measure]] ({', '.join(names) or 'the file has none'}), or a type that needs no further "
+            "keys, such as section_area or reaction"
+        )
+    try:
+        # the name of a type is enough where its table needs no other key
+        own = checked(TypeAdapter(kind), {"type": name})
+    except SealFileError as error:
+        raise SealFileError(
+            f"{where} = {name!r}: {error}; add a [[measure]] of this type with its keys"
+        ) from None
+    every.append(own.settled(where.partition(": ")[0], profiles))
+    return every[-1]
