@@ -14,7 +14,8 @@ SMALL = 1e-3
 
 @dataclass(frozen=True)
 class RetainedForce(Derived):
-    """Force at the second of two stages or times divided by that at the first.
+    """Force at the second of two stages or times divided by that at the first; not a number where the
+    first force is zero.
 
     Attributes
     ----------
@@ -30,14 +31,20 @@ class RetainedForce(Derived):
     def least_scale(self, result):
         return SMALL
 
+    def missing(self, result):
+        text = super().missing(result)
+        if text or result.value(self.base)[0] != 0.0:
+            return text
+        return (
+            f"the measure {self.name} has no value, because it is a ratio of two forces, and the force "
+            "at the earlier stage or time is 0; choose a stage or time at which the seal is in contact"
+        )
+
     def value(self, values):
         # m = F_2 / F_1
         first, last = values
         if first == 0.0:
-            raise ValueError(
-                f"the measure {self.name!r} is a ratio of two forces, but the force at the earlier "
-                "stage or time is 0; choose a stage or time at which the seal is in contact"
-            )
+            return np.nan, np.zeros(2)
         return last / first, np.array([-last / first**2, 1.0 / first])
 
 
@@ -149,7 +156,8 @@ class TimeToForceFraction(Measure):
 @dataclass(frozen=True)
 class CompressionSet(Measure):
     """Fraction of the compression of a particle that remains at the end of the path: with its
-    displacement u along one axis, (h_0 - h_end) / (h_0 - h_closed) = u_end / u_closed.
+    displacement u along one axis, (h_0 - h_end) / (h_0 - h_closed) = u_end / u_closed; not a number
+    where u_closed is zero.
 
     Attributes
     ----------
@@ -178,17 +186,27 @@ class CompressionSet(Measure):
     def on_refined(self, fine, particles):
         return replace(self, point=int(particles[self.point]))
 
-    def evaluate(self, result, partials):
+    def _displacements(self, result) -> tuple[int, float, float]:
+        """Find the nominal step, from 0, at whose end the seal is closed, u_closed and u_end, mm."""
         number = end_of_stage(result, self.stage) - 1
         closed, end = (
             result.displacement(step)[self.point, self.component] for step in (number, -1)
         )
+        return number, closed, end
+
+    def missing(self, result):
+        if self._displacements(result)[1] != 0.0:
+            return ""
+        return (
+            f"the measure {self.name} has no value, because the point at which the compression is "
+            f"measured has not moved at the end of stage {self.stage}; choose a point on the surface "
+            "that the profile compresses, or another stage"
+        )
+
+    def evaluate(self, result, partials):
+        number, closed, end = self._displacements(result)
         if closed == 0.0:
-            raise ValueError(
-                f"{self.name!r}: the point at which the compression is measured has not moved at "
-                f"the end of stage {self.stage}, so there is no compression to recover; choose a "
-                "point on the surface that the profile compresses, or another stage"
-            )
+            return np.nan
         # m = u_e / u_c
         at = 0, self.point, self.component
         partials.displacement()[at] += 1.0 / closed
