@@ -265,19 +265,20 @@ def _large_errors(result, large: dict[str, PenaltyError]) -> str:
         for name, found in large.items()
     )
     said = f"the contact penalties permit penetration, which makes {changes}, as estimated"
-    if chosen_penalties(result.seal):
-        return (
-            f"{said}; with penalties larger than those chosen the iterations converge poorly; use "
-            "less travel, smaller load steps or a finer spacing in the contact zone"
-        )
-    cures = []
+    chosen, cures = chosen_penalties(result.seal), []
     # error ~ 1/w: w_new = w (error / CURED)
     for penalty in penalties_of(result.seal):
         part = max(found.part([penalty.name]) for found in large.values())
-        if part > CURED:
+        if part > CURED and penalty.name not in chosen:
             wanted = penalty.value * part / CURED
             cures.append(f"{penalty.name} = {penalty.value:.2g} (at least {wanted:.1g})")
-    return f"{said}; use larger penalties, in kPa/mm: {', '.join(cures)}"
+    advice = [f"use larger penalties, in kPa/mm: {', '.join(cures)}"] if cures else []
+    if not cures or max(found.part(chosen) for found in large.values()) > WARNED:
+        advice.append(
+            "with penalties larger than those chosen the iterations converge poorly; use less travel, "
+            "smaller load steps or a finer spacing in the contact zone"
+        )
+    return "; ".join([said, *advice])
 
 
 def _sense(values: np.ndarray, errors: np.ndarray) -> str:

@@ -288,6 +288,27 @@ def test_larger_penalties_are_not_asked_for_where_they_were_chosen():
     assert "than those chosen" in told
 
 
+def test_given_penalties_are_asked_for_beside_chosen_ones(tmp_path):
+    """Larger penalties of the plate, which are given, cure the error; those of the other are chosen."""
+    other = """[[profile]]
+name = "other"
+friction = 0.2
+contact = ["dome"]
+line = [[-40.0, 0.0], [40.0, 0.0]]
+start = [0.0, 5.5]
+stage = [{ translate = [0.0, -0.5], steps = 12 }]
+"""
+    path = tmp_path / "two.toml"
+    given = "normal_penalty = 1e4\ntangent_penalty = 1e2"
+    path.write_text(HALF_DISC.replace("PENALTIES", given).split("[[measure]]")[0] + other)
+    seal = sm.build_seal(path)
+    assert "other_normal_penalty" in seal.description["chosen"]["penalties"]
+    (text,) = (own for own in sm.analyze(seal).warnings if "permit penetration" in own)
+    assert "use larger penalties, in kPa/mm: plate_normal_penalty = 1e+04 (at least " in text
+    assert "other_normal_penalty" not in text
+    assert "than those chosen" not in text
+
+
 def test_gradients_contain_the_errors(solid, monkeypatch):
     """A result with gradients has the errors of the direct method without another sweep."""
     direct = pressed(solid, 1e5, 1e4)
