@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from block_files import FIXED, LID, text
+from block_files import FIXED, LID, file_of, text
 
 import seal_mdao as sm
 from seal_mdao.file_optimization import on_new_cloud
@@ -162,6 +162,20 @@ def test_its_analysis_is_that_of_the_design(changes, tmp_path):
         size = np.abs(result.value(old)).max(initial=0.0)
         assert np.abs(found.value(new) - result.value(old)).max(initial=0.0) <= 1e-6 * size
     assert measures[2].size(seal) > 0, "no gap is open"
+
+
+def test_the_point_of_a_compression_set_moves_with_the_design(tmp_path):
+    """At its nominal place there is another particle in a design that is 1.2 mm higher."""
+    stages = "stage = [{ translate = [0, -0.5], steps = 3 }, { translate = [0, 0.2], steps = 1 }]"
+    lid = LID.replace("stage = [{ translate = [0, -0.5], steps = 3 }]", stages)
+    design = '[[design]]\nedges = ["top"]\nparameters = 4\nbound = 1.5\n'
+    measure = '[[measure]]\ntype = "compression_set"\nat = [0, 4]\n'
+    file = file_of(tmp_path, FIXED, lid, design, measure)
+    seal = sm.build_seal(file)
+    measures, offsets = frozen_measures(seal), np.full(seal.n_offsets, 1.2)
+    path = write_design(file, seal, offsets, measures, tmp_path, "best")[0]
+    again = sm.build_seal(path)
+    assert again.measures()[1] == measures[1]
 
 
 @pytest.mark.parametrize("place", ["end = [-4.0, 2.0]", "arc = { start = [4.0, 2.0]"])

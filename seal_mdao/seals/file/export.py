@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from seal_mdao.measures.retention import CompressionSet
+from seal_mdao.measures.section_shape import Displacement
 from seal_mdao.seals.file.build import outline_of
 from seal_mdao.seals.file.chosen import write_chosen
 from seal_mdao.seals.file.clearance import TYPED, nearest_at_start
@@ -248,7 +250,7 @@ def _with_places(rows, file, seal, offsets, measures) -> list:
         name, places = measure.name, places_of(measure)
         # the nearest particle has moved with the design
         entry = types[name]
-        if entry.type == "displacement":
+        if isinstance(measure, CompressionSet | Displacement):
             rows[name]["at"] = seal.particles(offsets)[measure.point].tolist()
         if places:
             own = rows.setdefault(name, {"type": entry.type})
