@@ -291,6 +291,16 @@ def test_time_is_linear_where_swelling_or_temperature_changes(tmp_path, swelling
     assert middle == pytest.approx(np.sqrt(1001.0) - 1.0 if dwells else 500.0, rel=1e-12)
 
 
+@pytest.mark.parametrize(("steps", "dwells"), [(2, True), (3, False)])
+def test_time_is_linear_where_a_fluid_grows(tmp_path, steps, dwells):
+    """The last of three stages has two steps; the pressure may begin in the second one."""
+    fluid = '[[fluid]]\nedge = ["right", "top", "left"]\nfrom = "start"\npressure = 5.0\n'
+    given = relaxing(text(FIXED, LID, fluid + f"steps = {steps}\n"))
+    times = exact_seal(tmp_path, given).terms()[0].environment.time
+    assert np.isfinite(times.first[1]) == dwells
+    assert not np.isfinite(times.first[2])
+
+
 REFUSED = [
     ("duration = 1e3 }", "steps = 3 }", "has no duration"),
     ("tau = [1.0, 100.0]", "tau = [1.0]", "a Prony series needs one relaxation time tau for"),

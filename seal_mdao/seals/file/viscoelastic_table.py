@@ -145,8 +145,10 @@ def dwells(file, number: int) -> bool:
         any(own.stages[number].translate) or own.stages[number].rotate for own in moving
     )
     still = still and all(own[number] == own[number + 1] for own in _conditions(file))
-    # a fluid grows in the last stage
-    return still and not (file.fluids and number == len(file.stages) - 1)
+    # a fluid grows over its last steps, by default those of the last stage
+    ends = np.cumsum([stage.n_steps for stage in file.stages])
+    begun = [ends[-1] - (own.steps or file.stages[-1].n_steps) for own in file.fluids]
+    return still and all(ends[number] <= begin for begin in begun)
 
 
 def _shortest(file, number: int) -> float:
