@@ -102,6 +102,21 @@ def test_file_with_a_drawing_beside_it_that_is_gone(tmp_path):
     same(seal, seal_of(seal.settings()))
 
 
+TARGET = '[[measure]]\ntype = "load_deflection_error"\nname = "{}"\ndata = {}\n'
+
+
+@pytest.mark.parametrize("written", ['"Kräfte.csv"', "'Kräfte.csv'", r'"Kr\u00e4fte.csv"'])
+def test_file_beside_it_whose_name_is_written_in_several_forms(tmp_path, written):
+    text = PAPER.read_text(encoding="utf-8")
+    text += TARGET.format("one", "'Kräfte.csv'") + TARGET.format("two", written)
+    (tmp_path / "Kräfte.csv").write_text("travel_mm,force\n1.0,20\n")
+    path = tmp_path / "seal.toml"
+    path.write_text(text, encoding="utf-8")
+    seal = sm.build_seal(path)
+    assert seal.settings()
+    same(seal, seal_of(seal.settings()))
+
+
 def test_seal_that_is_not_that_of_the_file_has_no_settings():
     file = sm.read_seal_file(PAPER)
     seal = sm.build_seal(file)

@@ -47,11 +47,13 @@ def _contents(path: Path) -> dict:
     text, beside = path.read_text(encoding="utf-8"), {}
     for number, name in enumerate(named_in(tomllib.loads(text))):
         short = f"beside_{number}{Path(name).suffix}"
-        # TOML strings have double or single quotes
-        written = next((q for q in (json.dumps(name), f"'{name}'") if q in text), None)
-        if written is None:
+        # TOML strings have double or single quotes, and may have escapes; one file may be named twice
+        forms = json.dumps(name, ensure_ascii=False), json.dumps(name), f"'{name}'"
+        written = [form for form in forms if form in text]
+        if not written:
             return {}
-        text = text.replace(written, f'"{short}"')
+        for form in written:
+            text = text.replace(form, f'"{short}"')
         # compressed bytes as text, for JSON
         packed = zlib.compress((path.parent / name).read_bytes())
         beside[short] = base64.b64encode(packed).decode("ascii")
