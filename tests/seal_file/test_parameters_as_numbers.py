@@ -7,6 +7,7 @@ import pytest
 
 import seal_mdao as sm
 from seal_mdao.seals.file.read import read_changed
+from seal_mdao.seals.file.reference import unit_of_key
 
 SEAL = """\
 [model]
@@ -158,3 +159,19 @@ def test_every_parameter_is_compared(seal):
     assert others == {
         "wall_y", "wall_angle", "foot_x", "foot_y", "foot_angle", "time",
     }  # fmt: skip
+
+
+UNITS = {
+    "material.hard.shore_a": "Shore A", "material.hard.bulk_modulus": "kPa",
+    "material.grade.density": "kg/m3", "material.rubber.c10": "kPa", "model.temperature": "degC",
+    "section.edge_spacing.lip": "mm", "material.rubber.modulus_over_temperature.1.2": "",
+    "profile.lid.stage.1.translate.2": "mm", "measure.1.travel": "mm", "profile.lid.friction": "",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("path", UNITS)
+def test_units_of_numbers_are_those_of_their_keys(path):
+    materials = {
+        "hard": {"shore_a": 60}, "grade": {"sponge": "2A2"}, "rubber": {"law": "mooney_rivlin"},
+    }  # fmt: skip
+    assert unit_of_key({"material": materials}, path) == UNITS[path]

@@ -19,6 +19,7 @@ from seal_mdao.seals.file.load_steps import PenaltiesTable, StepsTable
 from seal_mdao.seals.file.material_table import (
     FIT_TABLES,
     LAW_TABLES,
+    SHORT,
     LawTable,
     ShoreTable,
     SpongeTable,
@@ -168,8 +169,10 @@ def unit_of_key(tables: dict, path: str) -> str:
     """
     steps = path.split(".")
     if steps[0] == "material" and len(steps) == 3:
-        law = tables["material"].get(steps[1], {}).get("law")
+        given = tables["material"].get(steps[1], {})
+        law = given.get("law")
         kinds = [own for own in (LAW_TABLES.get(law), FIT_TABLES.get(f"{law}: data")) if own]
+        kinds += [own for name, own in SHORT.items() if name in given]
     else:
         # the innermost table on the path
         kinds = [TABLES[step] for step in steps if step in TABLES][-1:]
@@ -177,6 +180,7 @@ def unit_of_key(tables: dict, path: str) -> str:
     for kind in kinds:
         for step in reversed(steps):
             if step in kind.entries():
-                unit = re.search(r"\(([^()]*)\)$", kind.allowed(step))
+                # "a number above 0 (mm)", "... (degC), or a list", "... (mm), such as"
+                unit = re.search(r"\(([^()]*)\)($|, (or|such))", kind.allowed(step))
                 return unit[1] if unit else ""
     return ""
