@@ -206,6 +206,18 @@ def test_planes_of_symmetry_stay_planes():
         moved(half(), [VertexDesign((0.0, 10.0), (0, 1))], [0.3, 0.1], supports)
 
 
+def test_an_edge_that_is_fixed_along_itself_is_no_plane():
+    """Designs leave a horizontal base that is fixed along x as they leave a fixed one; its end moves
+    with a vertex alone."""
+    design = OffsetDesign(("left",), 4)
+    velocities = [moved(house(), [design], np.ones(4), {"base": own})[2] for own in [(0,), (0, 1)]]
+    np.testing.assert_array_equal(*velocities)
+    corner = VertexDesign((-5.0, 0.0))
+    new, _, _ = moved(house(), [corner], [-0.4, -0.3], {"base": (0,)})
+    (base,) = (s for s in new.outer.segments if s.edge == "base")
+    np.testing.assert_allclose([base.first, base.last], [(-5.4, -0.3), (5.0, 0.0)], atol=1e-12)
+
+
 def test_a_smooth_joint_within_an_edge_is_no_vertex():
     outer = Contour((
         Line((-5.0, 0.0), (5.0, 0.0), "base"), Line((5.0, 0.0), (5.0, 5.0), "side"),

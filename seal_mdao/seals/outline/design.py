@@ -62,9 +62,9 @@ def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]
     designs : sequence of OffsetDesign, VertexDesign or RadiusDesign
         Their parameters in this order.
     supports : mapping of str to tuple of int
-        Straight edges with one prescribed component stay in their plane: their ends move along it with
-        the adjacent edges, and the points between linearly. All other edges without a design have zero
-        velocity, and that of a designed edge is zero where it meets one of them.
+        Edges with one prescribed component that lie in a plane across it stay in it: their ends move
+        along it with the adjacent edges, and the points between linearly. All other edges without a
+        design have zero velocity, and that of a designed edge is zero where it meets one of them.
 
     Raises
     ------
@@ -126,13 +126,16 @@ def possible_designs(boundaries, designs, supports) -> tuple[list[int], dict[int
 def _require_free(name, supports) -> None:
     """Refuse a designed edge that is supported."""
     if name in supports:
-        what = "is fixed" if len(supports[name]) == 2 else "is in a plane of symmetry"
+        what = "is fixed" if len(supports[name]) == 2 else "is fixed in one direction"
         raise ValueError(f"the edge {name!r} {what}, so it cannot move; choose another edge")
 
 
 def _require_supported(sampled, columns, supports, remedy: str) -> None:
     """Refuse velocities of fixed edges, and of the ends of edges out of their planes."""
     for name, components in supports.items():
+        # one component that is prescribed along an edge, not across it, does not restrict its shape
+        if len(components) == 1 and name not in sampled.planes:
+            continue
         # between their ends, edges in a plane follow these
         which = sampled.indices(name)
         which = which if len(components) == 2 else which[[0, -1]]

@@ -6,6 +6,9 @@ from seal_mdao.geometry.polygon import from_sides
 from seal_mdao.seals.outline.boundary_path import BoundaryPath, Stretch, stretches
 from seal_mdao.seals.outline.segments import pair
 
+PLANAR = 1e-6
+"""Largest extent of an edge across its plane, over the size of the section."""
+
 
 class SampledBoundary:
     """Sampled boundary of a section, as used by designs.
@@ -21,18 +24,26 @@ class SampledBoundary:
     stretches : dict of str to Stretch
     points : ndarray, shape (K, 2)
         Points of all loops in succession, mm; loop i begins at ``starts[i]``.
+    planes : dict of str to int
+        Edges with one prescribed component that lie in a plane across its axis, with this axis.
     """
 
     def __init__(self, boundaries, supports):
         self.boundaries, self.stretches = boundaries, stretches(boundaries)
         self.starts = np.cumsum([0, *(len(boundary.points) for boundary in boundaries)])
         self.points = np.concatenate([np.asarray(boundary.points) for boundary in boundaries])
-        self.planes = {name: own[0] for name, own in supports.items() if len(own) == 1}
+        single = {name: own[0] for name, own in supports.items() if len(own) == 1}
+        self.planes = {name: axis for name, axis in single.items() if self._is_plane(name, axis)}
         self._still = set()
 
+    def _is_plane(self, name: str, axis: int) -> bool:
+        """Return whether an edge lies in a plane across an axis; others with one prescribed component
+        do not move."""
+        spread = np.ptp(self.points[self.indices(name), axis])
+        return bool(spread <= PLANAR * np.ptp(self.points, axis=0).max())
+
     def hold(self, moving) -> None:
-        """Store as fixed the points of all edges that are neither ``moving`` nor in a plane of
-        symmetry."""
+        """Store as fixed the points of all edges that are neither ``moving`` nor in a plane."""
         still = [
             self.stretches[name]
             for name in self.stretches
