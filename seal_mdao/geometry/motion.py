@@ -4,7 +4,7 @@ Within a stage position and angle vary linearly from one waypoint to the next. P
 move the waypoints, so the rate of every pose with respect to them is known before the analysis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -522,6 +522,13 @@ def staged_motion(stages: Sequence[Stage], start=(0.0, 0.0), angle=0.0, pivot=(0
         fractions=None if equal else np.concatenate([step_fractions(stage.steps) for stage in stages]),
         durations=[np.nan if stage.duration is None else stage.duration for stage in stages],
     )  # fmt: skip
+
+
+def path_motion(motions: Iterable[Motion]) -> Motion:
+    """Return the motion whose stages are those of the path: the first one that moves or has several
+    stages, or the first of all where there is none."""
+    motions = tuple(motions)
+    return next((own for own in motions if own.moves or len(own.steps) > 1), motions[0])
 
 
 def straight_motion(start, end, steps: int, rates: Mapping[str, tuple] | None = None) -> Motion:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.errors import LoadPathError
-from seal_mdao.geometry.motion import ROUNDING
+from seal_mdao.geometry.motion import ROUNDING, path_motion
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.support_force import add_support_partials, supports_of_edges
 from seal_mdao.values import numbers, real
@@ -346,12 +346,9 @@ def motions_of(result) -> dict:
 def end_of_stage(result, stage: int) -> int:
     """Return the number of nominal steps up to the end of a stage of the path, counted from 1.
 
-    The stages of the path are those of the first motion that has any: of one that stands still there is
-    a single one.
+    The stages of the path are those of ``path_motion``.
     """
-    motions = motions_of(result).values()
-    moving = (own for own in motions if len(own.steps) > 1 or own.moves)
-    return int(np.cumsum(next(moving).steps)[stage - 1])
+    return int(np.cumsum(path_motion(motions_of(result).values()).steps)[stage - 1])
 
 
 def stage_times(body, name: str):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seal_mdao.geometry.motion import path_motion
 from seal_mdao.loads.vented_air import VentedAir
 from seal_mdao.terms.ramp import at_fraction
 
@@ -82,13 +83,13 @@ def stage_ends(seal, motions) -> StageEnds | None:
     Parameters
     ----------
     motions : sequence of Motion
-        Of the profiles and moved edges; the first one that moves has the stages of the path.
+        Of the profiles and moved edges; that of ``path_motion`` has the stages of the path.
     """
     moving = [own for own in motions if own.moves]
     found = times_at(seal, [0.0]) if moving else None
     if found is None:
         return None
-    steps = np.concatenate([[0], np.cumsum(moving[0].steps)])
+    steps = np.concatenate([[0], np.cumsum(path_motion(motions).steps)])
     # motions with other stages move all the time
     moves = np.array([
         any(len(own.steps) != len(steps) - 1 or _moves_in(own, number) for own in moving)

@@ -164,8 +164,11 @@ class SealFile:
 
     @property
     def leading(self) -> ProfileTable | MovedTable | None:
-        """First profile or moved edges with stages; None where nothing has any."""
-        return next((own for own in self.moving if own.stages), None)
+        """First profile or moved edges that move or have several stages, or else with a stage; None
+        where nothing has any."""
+        staged = [own for own in self.moving if own.stages]
+        first = staged[0] if staged else None
+        return next((own for own in staged if own.moves or len(own.stages) > 1), first)
 
     @property
     def stages(self) -> tuple:

@@ -82,7 +82,7 @@ class ReactionTable(OfProfile):
     )
     stage: Stages | None = key(
         "instead of travel: ends of stages, which are those of the first profile or moved edges that "
-        "have stages, also for the force on another profile",
+        "move or have several stages, also for the force on another profile",
         None,
     )
     time: Times | None = key("instead of travel: times, for a seal whose material relaxes", None)

@@ -240,7 +240,7 @@ class ProfileWorkTable(OfProfile):
 
     stage: StagePair | None = key(
         "two stages between whose ends the work is computed, such as [2, 4], which are those of the "
-        "first profile or moved edges that have stages; default: the complete path",
+        "first profile or moved edges that move or have several stages; default: the complete path",
         None,
     )
 

@@ -61,6 +61,11 @@ class Staged:
         """Length of the path, mm; rotation is no travel."""
         return float(sum(np.hypot(*stage.translate) for stage in self.stages))
 
+    @property
+    def moves(self) -> bool:
+        """Whether a stage translates or rotates it."""
+        return any(any(stage.translate) or stage.rotate for stage in self.stages)
+
 
 def made_stage(given, read) -> Stage:
     """Make the ``Stage`` of a table; one that has been read is returned."""
