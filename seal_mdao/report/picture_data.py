@@ -12,6 +12,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.rigid_contact import RigidContact
 from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.plotting import field
@@ -256,19 +257,19 @@ def contact_points(result, step: int) -> tuple[np.ndarray, str]:
     places, found = [np.empty((0, 2))], [np.empty(0, int)]
     for term in (*contacts(result.seal), *self_contacts(result.seal)):
         response = result.path.at_nominal(term.label)[step]
+        # with itself a wall has no order of points, hence no region between contacts
+        rigid = isinstance(term, RigidContact)
+        own = _marks(result, term.label, response, step) if rigid else response.branch
         # open points beyond the contact are left out
-        own = _marks(result, term.label, response, step)
         places.append(response.x[own != OPEN])
         found.append(own[own != OPEN])
     return np.concatenate(places), "".join(map(str, np.concatenate(found)))
 
 
 def _marks(result, label: str, response, step: int) -> np.ndarray:
-    """States of the points of a contact, ``BETWEEN`` where a profile leaves them between contacts."""
+    """States of the points of a profile, ``BETWEEN`` where it leaves them open between contacts."""
     state = np.array(response.branch)
-    where = getattr(result.term(label), "where", None)
-    if where is not None:
-        state[open_between(result, label, step)] = BETWEEN
+    state[open_between(result, label, step)] = BETWEEN
     return state
 
 

@@ -1,5 +1,7 @@
 """Pictures of a surface that two profiles touch side by side: what touches one is not open."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from seal_file.block_files import FIXED, text
@@ -8,9 +10,10 @@ import seal_mdao as sm
 from seal_mdao import plotting
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.selection import open_points
-from seal_mdao.report.picture_data import BETWEEN, Pictures
+from seal_mdao.report.picture_data import BETWEEN, Pictures, contact_points
 from seal_mdao.seals.gaps import open_between
 
+FOLDED_LIP = Path(__file__).parents[1] / "contact" / "folded_lip.toml"
 PROFILE = """\
 [[profile]]
 name = "{name}"
@@ -65,3 +68,12 @@ def test_gaps_are_shaded_where_nothing_touches(pressed):
     assert "4 open points (shaded)" in axes.get_title(loc="left")
     # one region on either side of the stamp
     assert len(axes.patches) == 2
+
+
+def test_walls_between_two_regions_of_self_contact_are_not_open_between_contacts():
+    result = sm.analyze(sm.build_seal(FOLDED_LIP))
+    branch = result.response("self_contact").branch
+    assert open_points(branch).size
+    points, marks = contact_points(result, -1)
+    assert str(BETWEEN) not in marks
+    assert len(points) == np.sum(branch != OPEN) + np.sum(result.response("rod").branch != OPEN)
