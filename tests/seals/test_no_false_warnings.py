@@ -96,3 +96,11 @@ def test_a_seal_does_not_sink_below_a_base_that_is_moved(warnings):
     moved += "stage = [{ translate = [0.5, -1.0], rotate = 30, steps = 4 }]\n"
     _, found = warnings(RUBBER + SQUARE + moved)
     assert "sinks" not in found
+
+
+def test_a_boundary_in_self_contact_that_crosses_nowhere(warnings):
+    touching = '[self_contact]\nedges = ["right", "top"]\nfriction = 0.2\n'
+    stage = "stage = [{ translate = [0, -0.2], steps = 2 }]\n"
+    text = RUBBER + SQUARE + '[fixed]\nedges = ["base"]\n' + touching
+    _, found = warnings(text + LID.format(0.2, 4, 4) + stage)
+    assert "crosses" not in found
