@@ -102,6 +102,6 @@ class ElasticBody(TermDefinition):
         return out
 
 
-def elastic_body(material, prefix: str = "") -> ElasticBody:
+def elastic_body(material) -> ElasticBody:
     """Create a body of one material."""
-    return ElasticBody((Region(material, None, prefix),))
+    return ElasticBody((Region(material),))

@@ -1,6 +1,7 @@
 """Segments, contours and sections that are refused: one line that says what and where."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -119,7 +120,7 @@ BAD = {
     ),
     "an edge in two places": (
         lambda: Outline(Contour([
-            s.named(name)
+            replace(s, edge=name)
             for s, name in zip(lines(SQUARE).segments, ["a", "b", "a", "c"], strict=True)
         ])),
         "the edge 'a' is in two parts on the outer contour; an edge must be one connected part",

@@ -1,5 +1,7 @@
 """The section of a design, drawn anew where it has moved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sample_sections import bulb, circle, lines, mixed
@@ -86,7 +88,7 @@ def test_corners_stay_corners(names):
     square = lines([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)])
     if names == "two":
         square = Contour([
-            s.named(name) for s, name in zip(square.segments, "aabb", strict=True)
+            replace(s, edge=name) for s, name in zip(square.segments, "aabb", strict=True)
         ])  # fmt: skip
     outline = Outline(square)
     boundaries = sampled(outline, 2.5)
@@ -120,3 +122,12 @@ def test_a_moved_section_goes_into_a_drawing_and_back(tmp_path):
             assert type(one) is type(other)
             assert np.abs(one.points(s) - other.points(s)).max() < 1e-9
     assert [type(p) for p in again.edge("cavity")] == [Circle]
+
+
+def test_a_circle_whose_first_point_moves_to_its_left_becomes_a_spline():
+    outline = Outline(circle((0.0, 0.0), 5.0, "seal"), (circle((0.0, 0.0), 2.0),))
+    boundaries = sampled(outline, 0.5)
+    new = shifted_outline(outline, boundaries, [boundaries[0].points, -boundaries[1].points])
+    (segment,) = new.holes[0].segments
+    assert isinstance(segment, Spline)
+    assert new.area == pytest.approx(outline.area, rel=1e-4)

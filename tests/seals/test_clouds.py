@@ -212,7 +212,7 @@ def test_what_cannot_be_filled_is_refused():
 def test_pairs_are_convex_and_nothing_is_lost():
     points = np.array([[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1], [3, 0.5]], float)
     triangles = np.array([[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4], [2, 6, 5]])
-    cells, _ = paired(points, triangles)
+    cells, _ = paired(points, triangles, np.zeros(len(triangles), int))
     assert sorted(len(set(cell)) for cell in cells.tolist()) == [3, 4, 4]
     assert cells_area(cells, points)[0] == pytest.approx(2.5)
 

@@ -10,6 +10,18 @@ COLLINEAR = 1e-6
 """Height of a triangle over its longest side below which its corners lie on one line."""
 
 
+def circle_through(points) -> tuple[np.ndarray, float, int]:
+    """Fit a circle to points (k, 2) by least squares: its centre (2,) and radius, and the rank of the
+    equations, 3 unless the points lie on one line."""
+    # |x - c|^2 = R^2 is linear in c and R^2 - c . c; coordinates from the mean of the points
+    mean = points.mean(axis=0)
+    x = points - mean
+    matrix = np.column_stack([2.0 * x, np.ones(len(x))])
+    found, _, rank, _ = np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)
+    # R^2 = (R^2 - c . c) + c . c
+    return mean + found[:2], float(np.sqrt(found[2] + found[:2] @ found[:2])), int(rank)
+
+
 class _Round(Segment):
     """Base of arcs and circles: ``centre``, ``radius``, ``angle`` of the start, ``sweep``."""
 

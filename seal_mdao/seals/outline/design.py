@@ -26,11 +26,12 @@ class ImpossibleDesignError(ValueError):
         self.number, self.reason = number, str(reason)
 
 
-def checked_names(names, known) -> None:
-    """Raise ValueError for a name that no edge has."""
+def checked_names(names, known, where: str = "") -> None:
+    """Raise ValueError, with its message behind ``where``, for a name that no edge has."""
     for name in names:
         if name not in known:
-            raise ValueError(f"the section has no edge {name!r}; its edges are {', '.join(known)}")
+            edges = ", ".join(known)
+            raise ValueError(f"{where}the section has no edge {name!r}; its edges are {edges}")
 
 
 @contextmanager
@@ -40,15 +41,6 @@ def _numbered_in_errors(number: int):
         yield
     except ValueError as error:
         raise ImpossibleDesignError(number, error) from error
-
-
-@contextmanager
-def named_in_errors(what: str):
-    """Begin the message of a ValueError with what it is about."""
-    try:
-        yield
-    except ValueError as error:
-        raise ValueError(f"{what}: {error}") from error
 
 
 def boundary_velocity(boundaries, designs, supports) -> tuple[np.ndarray, tuple]:

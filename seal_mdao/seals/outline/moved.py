@@ -4,7 +4,7 @@ import numpy as np
 import scipy
 
 from seal_mdao.errors import GeometryError
-from seal_mdao.seals.outline.arcs import Arc, Circle
+from seal_mdao.seals.outline.arcs import Arc, Circle, circle_through
 from seal_mdao.seals.outline.contours import Contour, Outline
 from seal_mdao.seals.outline.sampling import Boundary
 from seal_mdao.seals.outline.segments import Line
@@ -88,10 +88,11 @@ def _same_kind(segment, points):
         if away <= EXACT * np.hypot(*along):
             return Line(tuple(points[0].tolist()), tuple(points[-1].tolist()), segment.edge)
     if isinstance(segment, Circle) and len(points) > 4:
-        centre = _centre(points[:-1])
+        centre, _, _ = circle_through(points[:-1])
         radius = points[0, 0] - centre[0]
-        circle = Circle(tuple(centre.tolist()), float(radius), segment.edge, segment.clockwise)
+        # a circle begins at its rightmost point
         if radius > 0.0 and abs(points[0, 1] - centre[1]) <= EXACT * radius:
+            circle = Circle(tuple(centre.tolist()), float(radius), segment.edge, segment.clockwise)
             return circle if _is_on(circle, points) else None
     if isinstance(segment, Arc) and len(points) > 3:
         middle = len(points) // 2
@@ -101,15 +102,6 @@ def _same_kind(segment, points):
             return None
         return arc if _is_on(arc, points) else None
     return None
-
-
-def _centre(points) -> np.ndarray:
-    """Find the centre of the circle through points by least squares."""
-    # |x - c|^2 = R^2 is linear in c and R^2 - c . c; coordinates from the mean of the points
-    mean = points.mean(axis=0)
-    x = points - mean
-    matrix = np.column_stack([2.0 * x, np.ones(len(x))])
-    return mean + np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)[0][:2]
 
 
 def _is_on(round_, points) -> bool:

@@ -21,7 +21,6 @@ from seal_mdao.seals.outline.design import (
     boundary_velocity,
     checked_names,
     harmonic_extension,
-    named_in_errors,
 )
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
@@ -217,8 +216,6 @@ def outline_seal(
         What may change about the shape; their parameters are the ``boundary_offsets``, mm.
     model : BodyModel, optional
         Kinematics, environment and kernels.
-    standard, inputs, newton
-        As of ``Seal``.
 
     Raises
     ------
@@ -228,8 +225,7 @@ def outline_seal(
         For a boundary that cannot be filled.
     """
     known = stretches(boundaries)
-    with named_in_errors("supports"):
-        checked_names(supports, known)
+    checked_names(supports, known, "supports: ")
     regions = [SectionRegion(material)] if isinstance(material, Isotropic) else material
     cuts = tuple(np.asarray(line, float) for own in regions for line in own.lines)
     # stretches index points of the loops; edges the particles of the cloud

@@ -23,13 +23,12 @@ def corner_angles(corners: np.ndarray) -> np.ndarray:
     return np.degrees(np.arctan2(cross, (after * before).sum(axis=-1))) % 360.0
 
 
-def paired(points: np.ndarray, triangles: np.ndarray, parts=None) -> tuple:
+def paired(points: np.ndarray, triangles: np.ndarray, parts: np.ndarray) -> tuple:
     """Join triangles (k, 3) of one part in pairs, greedily from the most rectangular pair.
 
     Returns cells (m, 4), in which single triangles repeat a corner, and their parts (m,) from those (k,)
-    of the triangles; zeros if left out.
+    of the triangles.
     """
-    parts = np.zeros(len(triangles), int) if parts is None else parts
     quads, owners = _candidates(triangles)
     same = parts[owners[:, 0]] == parts[owners[:, 1]]
     quads, owners = quads[same], owners[same]

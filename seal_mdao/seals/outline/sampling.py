@@ -176,7 +176,7 @@ def _between(values, others):
     return np.stack([values, others], axis=1).reshape(2 * len(values), *values.shape[1:])
 
 
-def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Boundary, np.ndarray]:
+def located(contour, points: np.ndarray) -> tuple[Boundary, np.ndarray]:
     """Locate the points of a loop on a contour; return its ``Boundary`` and the order of the points.
 
     Parameters
@@ -184,8 +184,6 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
     contour : Contour
     points : ndarray, shape (k, 2)
         In order along the contour, starting anywhere; ends of segments must be among them.
-    closest : float
-        Largest distance from the contour, mm.
 
     Raises
     ------
@@ -196,14 +194,14 @@ def located(contour, points: np.ndarray, closest: float = MATCH) -> tuple[Bounda
     segments = contour.segments
     number, fraction, away = _nearest(segments, points)
     worst = int(away.argmax())
-    if not away[worst] <= closest:
+    if not away[worst] <= MATCH:
         raise GeometryError(
             f"the particle at {pair(points[worst])} is {away[worst]:.3g} mm away from the edge "
             f"{segments[number[worst]].edge!r}, on which it must lie; use a mesh (cloud) of this "
             "section"
         )
     lengths = np.array([segment.length for segment in segments])
-    number, fraction = _from_beginnings(number, fraction, lengths, closest)
+    number, fraction = _from_beginnings(number, fraction, lengths)
     starts = np.concatenate([[0.0], np.cumsum(lengths)])
     arc = starts[number] + fraction * lengths[number]
     order = np.roll(np.arange(len(points)), -int(arc.argmin()))
@@ -244,8 +242,8 @@ def _on(segment, points):
     return fraction, np.hypot(*(points - segment.points(fraction)).T)
 
 
-def _from_beginnings(number, fraction, lengths, closest):
+def _from_beginnings(number, fraction, lengths):
     """Assign points at the end of a segment to the beginning of the next one."""
-    fraction = np.where(fraction * lengths[number] <= closest, 0.0, fraction)
-    ends = (1.0 - fraction) * lengths[number] <= closest
+    fraction = np.where(fraction * lengths[number] <= MATCH, 0.0, fraction)
+    ends = (1.0 - fraction) * lengths[number] <= MATCH
     return np.where(ends, (number + 1) % len(lengths), number), np.where(ends, 0.0, fraction)

@@ -4,7 +4,7 @@ The parameter s from 0 to 1 is proportional to the arc length. The material lies
 outward normal is the tangent rotated clockwise, n = (t_y, -t_x).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, hypot, sqrt
 
@@ -111,10 +111,6 @@ class Segment:
             bounds=around, method="bounded", options={"xatol": 1e-12},
         )  # fmt: skip
         return float(found.x), float(np.sqrt(found.fun))
-
-    def named(self, edge: str) -> "Segment":
-        """Return the segment with another edge name."""
-        return replace(self, edge=edge)
 
 
 @dataclass(frozen=True)

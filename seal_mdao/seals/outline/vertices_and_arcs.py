@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from seal_mdao.seals.outline.arcs import circle_through
 from seal_mdao.seals.outline.boundary_path import SAME, MirrorPlane
 from seal_mdao.seals.outline.offset_fields import STILL
 from seal_mdao.seals.outline.segments import pair
@@ -196,16 +197,11 @@ def _centre_velocity(sampled, loop, beside, away) -> np.ndarray:
 
 def _circle(points, at) -> tuple[np.ndarray, float]:
     """Find centre and radius of the circle through points; ValueError if they lie on none."""
-    # |x - c|^2 = R^2 is linear in c and R^2 - c . c
-    middle = points.mean(axis=0)
-    x = points - middle
-    matrix = np.column_stack([2.0 * x, np.ones(len(x))])
-    found, _, rank, _ = np.linalg.lstsq(matrix, (x**2).sum(axis=1), rcond=None)
+    centre, radius, rank = circle_through(points)
     if rank == 3 and not _is_straight(points):
-        # R^2 = (R^2 - c . c) + c . c
-        radius = float(np.sqrt(found[2] + found[:2] @ found[:2]))
-        if np.abs(np.hypot(*(x - found[:2]).T) - radius).max() <= ROUND * radius:
-            return middle + found[:2], radius
+        away = np.abs(np.hypot(*(points - centre).T) - radius)
+        if away.max() <= ROUND * radius:
+            return centre, radius
     raise ValueError(
         f"the segment of the boundary at {pair(at)} is not an arc, so it has no radius to change; "
         "give a point of an arc or a circle"
