@@ -173,16 +173,23 @@ class SelfContact(TermDefinition):
             found[np.ix_(own, own)] &= np.minimum(between, len(loop) - between) > NEIGHBOURS
         return found
 
-    def reach(self) -> float:
-        """Largest penetration in contact, mm: half of the thinnest wall with sides that may touch;
-        infinite where there is none."""
+    def reach(self) -> np.ndarray:
+        """Largest penetration in contact of every point near every other one, mm, shape (k, k).
+
+        Half of the thinnest wall with sides that may touch, and half of the nominal distance of two
+        points that lie behind each other, such as those on both sides of a convex corner; infinite
+        where there is neither.
+        """
         x = self.nominal[self.where.of_particles]
         normal = outward(x, self.ring)
-        # j lies behind i and i behind j, opposite normals: two sides of one wall
+        # j lies behind i and i behind j
         behind = np.einsum("ijc,jc->ij", x[:, None] - x, normal) < 0.0
-        through = self.may_touch() & behind & behind.T & (normal @ normal.T < 0.0)
-        i, j = np.nonzero(through)
-        return 0.5 * float(np.hypot(*(x[i] - x[j]).T).min(initial=np.inf))
+        behind &= behind.T
+        away = np.hypot(*np.moveaxis(x[:, None] - x, 2, 0))
+        # opposite normals: two sides of one wall
+        through = self.may_touch() & behind & (normal @ normal.T < 0.0)
+        wall = 0.5 * away[through].min(initial=np.inf)
+        return np.minimum(wall, np.where(behind, 0.5 * away, np.inf))
 
     def pairs(self):
         """Return the pairs of points with the points of segments that they may touch, and of those
@@ -298,7 +305,7 @@ class SelfContactTerm(CoupledTerm):
         nodes = np.column_stack([points, masters(segments, self.ring)])
         now = kinematics(x, nodes, segments, s, self.ring)
         # deeper is not penetration but the other side of the wall
-        deep = now.gap > -self.reach
+        deep = now.gap > -self.reach[points, nearest[points]]
         return points[deep], nodes[deep], type(now)(*(part[deep] for part in now))
 
     def _before(self, points, now, history) -> Before:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from seal_file.block_files import FIXED, LID, seal_of
 from squeezed_ring import itself, ring, ring_body
 
 import seal_mdao as sm
@@ -301,3 +302,22 @@ def test_the_energy_that_the_contact_takes_is_stored_but_for_friction(pressed):
     assert taken == pytest.approx(stored, rel=1e-9)
     taken, stored = energy_taken(sm.analyze(sm.build_seal(sm.read_seal_file(LIP))))
     assert 1.2 * stored < taken < 2.0 * stored
+
+
+def test_faces_beside_a_convex_corner_are_no_walls_that_overlap(tmp_path):
+    """In a design with an acute corner their outward normals are opposite, and each lies behind the
+    other, as the two sides of a wall do; the nominal block has no walls."""
+    contact = """[[design]]
+edges = ["top"]
+parameters = 4
+bound = 0.5
+[self_contact]
+edges = ["top", "right"]
+friction = 0.2
+normal_penalty = 1e4
+tangent_penalty = 1e3
+"""
+    seal = seal_of(tmp_path, FIXED, LID, contact)
+    result = sm.analyze(seal, [-0.3, 0.0, 0.0, 0.0])
+    assert result.converged
+    assert not result.response("self_contact").branch.any()
