@@ -15,7 +15,7 @@ from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.consistent_gradients import CellTable, EdgeRule, build_cell_table, edge_rule
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
-from seal_mdao.rkpm.shape_functions import NOTHING_HIDDEN, Cloud, PointSet
+from seal_mdao.rkpm.shape_functions import NO_INTERFACE, NOTHING_HIDDEN, Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
 from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
@@ -76,8 +76,10 @@ class Body:
         Gauss points along both directions of a cell, or along each (``rkpm.cells.cell_map``); a triangle
         has as many points as a quadrilateral.
     hidden_pairs : ndarray of int, shape (m, 2)
-        Pairs of particles whose supports must not reach each other across a void
-        (``rkpm.visibility.hidden_pairs`` of the nominal body).
+        Pairs of particles whose supports must not reach each other across a void, round a corner or
+        across an interface (``rkpm.visibility.hidden_pairs`` of the nominal body).
+    on_interface : ndarray of bool, shape (n,), or empty
+        Particles on interfaces between materials (``rkpm.visibility.on_interfaces``).
     support_axes : ndarray, shape (n, 2, 2), or None
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
@@ -97,6 +99,7 @@ class Body:
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
     hidden_pairs: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
+    on_interface: np.ndarray = field(default_factory=lambda: NO_INTERFACE)
     support_axes: np.ndarray | None = None
     column: int = 1
     axisymmetric: bool = False
@@ -206,6 +209,7 @@ class Body:
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
             self.hidden_pairs,
+            self.on_interface,
             self.support_axes,
         )
 

@@ -46,6 +46,17 @@ def neighbour_terms(x, near, axes, scale, h, k):
     fill_monomials(h)
 
 
+@internal
+def clear_hidden(hidden, at, k):
+    """Set the kernel terms (6, n) of neighbours that are hidden from a point to zero.
+
+    ``hidden`` is flat, from ``at`` on that of this point, or empty."""
+    if hidden.size > 0:
+        for i in range(k.shape[1]):
+            if hidden[at + i]:
+                k[:, i] = 0.0
+
+
 @inlined
 def n_monomials(m):
     """Count the monomials up to twice the degree of a basis of ``m``."""

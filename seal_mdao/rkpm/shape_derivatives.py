@@ -21,6 +21,7 @@ import numpy as np
 from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.basis import basis_slope
 from seal_mdao.rkpm.moment import (
+    clear_hidden,
     correction_polynomials,
     gathered,
     moment_matrices,
@@ -173,13 +174,17 @@ def _fill_chain(h, k, scale, moments, inverse, spread, on_value, on_slope):
 
 
 @compiled
-def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups, group_size, rows):
+def linearize_shape_functions(
+    cloud, points, inverses, start, neighbours, hidden, interpolated, groups, group_size, rows
+):
     """Compute the coefficients D, C, S G at the points of the ``groups`` (first, last) of a table.
 
     Parameters
     ----------
     points, inverses : ndarray, shapes (n_points, 2), (n_points, m, m)
         Of the complete table; M^-1 at the points.
+    hidden, interpolated : ndarray of bool
+        Of ``PointTable``.
     """
     m, scale, (first, last) = cloud.n_basis, cloud.scale, groups
     size = (start[last] - start[first]) * group_size
@@ -209,6 +214,7 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
             on_slope = on_slope.reshape(rows, m, rows - 1, n)
             # H, phi_a -> M, M_j -> p, p_j -> Phi, D -> C, S G
             neighbour_terms(points[point], near, cloud.axes, scale, h, k)
+            clear_hidden(hidden, start[first] * group_size + at, k)
             if rows > 1:
                 moment_matrices(h, k, scale, moments)
             correction_polynomials(moments, inverses[point], scale, b)
@@ -216,6 +222,10 @@ def linearize_shape_functions(cloud, points, inverses, start, neighbours, groups
             _fill_direct(p, k, phi, direct)
             _fill_pull(h, scale, phi, direct, pull)
             _fill_chain(h, k, scale, moments, inverses[point], spread, on_value, on_slope)
+            if interpolated.size > 0 and interpolated[point]:
+                # Phi_I is the weight of an anchor in all designs
+                direct[0] = 0.0
+                on_value[:] = 0.0
         # sum_I C: the point itself moves every r_I
         pulls = _rows(out.pull, before, group_size * n, rows * m * 2).reshape(-1, n)
         sums = out.pull_sums[(g - first) * group_size : (g - first + 1) * group_size]

@@ -15,6 +15,7 @@ import numpy as np
 
 from seal_mdao.compilation import compiled, inlined
 from seal_mdao.rkpm.moment import (
+    clear_hidden,
     correction_polynomials,
     gathered,
     invert_moment,
@@ -26,6 +27,7 @@ from seal_mdao.rkpm.moment import (
 from seal_mdao.rkpm.scatter import scatter_add
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
+NO_INTERFACE = np.empty(0, bool)
 
 
 class Cloud(NamedTuple):
@@ -44,6 +46,9 @@ class Cloud(NamedTuple):
         3 for the linear, 6 for the quadratic basis.
     hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles that are not visible from each other, see ``visibility``.
+    on_interface : ndarray of bool, shape (n_particles,), or empty
+        Particles on interfaces between materials, along which displacements are linear from one to the
+        next.
     axes : ndarray, shape (n_particles, 2, 2), or None for round kernels
         Rows: inverse half-widths of every particle's product kernel along its two directions.
     """
@@ -53,6 +58,7 @@ class Cloud(NamedTuple):
     scale: float
     n_basis: int
     hidden_pairs: np.ndarray = NOTHING_HIDDEN
+    on_interface: np.ndarray = NO_INTERFACE
     axes: np.ndarray | None = None
 
 
@@ -69,6 +75,9 @@ class PointSet(NamedTuple):
         Whether values, and whether gradients are tabulated; arrays not needed are empty.
     hooped : bool
         Whether the gradients have the third row of a body of revolution.
+    ends : int or None
+        Number of anchors, the first ones, between which a point lies, where others bend its edge; None
+        for all. A point sees the particles that these see.
     """
 
     anchors: np.ndarray
@@ -77,6 +86,7 @@ class PointSet(NamedTuple):
     valued: bool = True
     sloped: bool = True
     hooped: bool = False
+    ends: int | None = None
 
     def at(self, particles):
         """Compute coordinates of the points, shape (n_points, 2), length unit of ``particles``."""
@@ -131,10 +141,11 @@ def grad_rows(table):
 
 
 @compiled
-def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, inverses):
+def evaluate_shape_functions(cloud, points, start, neighbours, hidden, phi, grad, inverses):
     """Evaluate shape functions and gradients at all points, Eqs. (10)-(13) with unit weights.
 
-    Fills ``phi`` and ``grad``, where they are not empty, and M^-1 of every point, ``inverses``
+    ``hidden``, flat (group, point, neighbour) or empty, marks neighbours of the group that a point does
+    not see. Fills ``phi`` and ``grad``, where they are not empty, and M^-1 of every point, ``inverses``
     (n_points, m, m); returns the first point with a singular moment matrix, or -1."""
     m, rows = cloud.n_basis, 3 if grad.size > 0 else 1
     n_groups = start.size - 1
@@ -146,16 +157,16 @@ def evaluate_shape_functions(cloud, points, start, neighbours, phi, grad, invers
         h, k = np.empty((n_monomials(m), n)), np.empty((6, n))
         for q in range(group_size):
             point = g * group_size + q
-            inverse = inverses[point]
+            inverse, at = inverses[point], s0 * group_size + q * n
             # H(x - X_I), phi_a(x - X_I) with derivatives
             neighbour_terms(points[point], near, cloud.axes, cloud.scale, h, k)
+            clear_hidden(hidden, at, k)
             # M, M_,x, M_,y   Eq. (8)
             moment_matrices(h, k, cloud.scale, moments)
             if not invert_moment(moments[0], inverse):
                 return point
             # C(x; x - X_I) = H(0)^T M^-1 H(x - X_I)   Eq. (10), and its gradient
             correction_polynomials(moments, inverse, cloud.scale, b)
-            at = s0 * group_size + q * n
             for i in range(n):
                 p = polynomial_value(b, 0, h, i)
                 if phi.size > 0:

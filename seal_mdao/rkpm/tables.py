@@ -21,6 +21,7 @@ from seal_mdao.rkpm.shape_derivatives import (
     reverse_shape_functions,
 )
 from seal_mdao.rkpm.shape_functions import (
+    NO_INTERFACE,
     Cloud,
     PointSet,
     ShapeTable,
@@ -47,6 +48,11 @@ class PointTable:
         After the essential transformation; what the analysis uses.
     inverses : ndarray, shape (n_points, m, m)
         M^-1 of Eq. (7), which the derivatives use too.
+    hidden : ndarray of bool
+        Neighbours of a group that a point of it does not see, flat (group, point, neighbour); empty if
+        every point sees them all.
+    interpolated : ndarray of bool, shape (n_points,)
+        Points on interfaces, where values are linear between two particles; empty if there are none.
     cloud : Cloud
     transform : TableTransform or None
         From ``raw`` to ``table``.
@@ -57,6 +63,8 @@ class PointTable:
     raw: ShapeTable
     table: ShapeTable
     inverses: np.ndarray
+    hidden: np.ndarray
+    interpolated: np.ndarray
     cloud: Cloud
     transform: TableTransform | None = None
 
@@ -160,8 +168,8 @@ class PointTable:
         """Compute the coefficients of the derivatives of the ``groups`` (first, last)."""
         raw, points = self.raw, self.points
         return linearize_shape_functions(
-            self.cloud, self.coordinates, self.inverses, raw.start, raw.neighbours, groups,
-            points.group_size, 3 if points.sloped else 1,
+            self.cloud, self.coordinates, self.inverses, raw.start, raw.neighbours, self.hidden,
+            self.interpolated, groups, points.group_size, 3 if points.sloped else 1,
         )  # fmt: skip
 
     def _active(self, velocity, transform):
@@ -189,7 +197,13 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
     """Find the particles whose support covers any point of a group, as (start, neighbours), sorted.
 
     Groups with the same index in several sets, whose ``coordinates`` follow each other, are one group. A
-    particle that is hidden from one of the anchors of a group is no neighbour of the group.
+    particle that is hidden from all points of a group is no neighbour of the group.
+
+    Returns
+    -------
+    start, neighbours : ndarray of int
+    hidden : list of ndarray of bool
+        Of every set, ``PointTable.hidden``.
     """
     group_of = np.concatenate([np.arange(len(own.anchors)) // own.group_size for own in sets])
     tree = cKDTree(coordinates)
@@ -204,31 +218,66 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
         along, across = np.einsum("kij,kj->ik", cloud.axes[particle], away)
         inside = (np.abs(along) < 1.0) & (np.abs(across) < 1.0)
         particle, point = particle[inside], point[inside]
-    n = len(cloud.particles)
+    n, unseen = len(cloud.particles), None
+    if cloud.hidden_pairs.size:
+        unseen = _unseen(cloud.hidden_pairs, sets, n)
+        seen = ~_among(point * n + particle, unseen)
+        particle, point = particle[seen], point[seen]
     # pairs (group, particle) as one integer, sorted by group, then particle; several points of a group
     # have the same one. Sorting is ten times faster than np.unique, which hashes integers first
     key = np.sort(group_of[point] * n + particle)
     key = key[np.diff(key, prepend=-1) > 0]
-    if cloud.hidden_pairs.size:
-        for own in sets:
-            key = np.setdiff1d(key, _unseen(cloud.hidden_pairs, own, n), assume_unique=True)
     group, neighbours = np.divmod(key, n)
     start = np.searchsorted(group, np.arange(len(sets[0].anchors) // sets[0].group_size + 1))
-    return start, neighbours
+    hidden, first = [], 0
+    for own in sets:
+        hidden.append(_hidden(start, neighbours, own.group_size, first, unseen, n))
+        first += len(own.anchors)
+    return start, neighbours, hidden
 
 
-def _unseen(hidden: np.ndarray, points: PointSet, n: int) -> np.ndarray:
-    """Find pairs of a group and a particle hidden from one of its anchors, as group n + particle."""
-    anchors = points.anchors.reshape(-1, points.group_size * points.anchors.shape[1])
-    # incidence (group, anchor) times (anchor, hidden particle)
-    at = csr_array(
-        (np.ones(anchors.size, np.int32),
-         (np.repeat(np.arange(len(anchors)), anchors.shape[1]), anchors.ravel())),
-        shape=(len(anchors), n),
-    )  # fmt: skip
-    blind = csr_array((np.ones(len(hidden), np.int32), hidden.T[::-1]), shape=(n, n))
-    group, particle = (at @ blind).nonzero()
-    return np.sort(group.astype(np.int64) * n + particle)
+def _unseen(hidden_pairs: np.ndarray, sets, n: int) -> np.ndarray:
+    """Find pairs of a point and a particle hidden from one of its anchors, as sorted point n + particle;
+    the points of all sets are numbered one after the other."""
+    blind = np.zeros(n, bool)
+    blind[hidden_pairs[:, 1]] = True
+    points, anchors, first = [], [], 0
+    for own in sets:
+        # anchors that have a weight and do not see every particle
+        weighted = own.weights[:, : own.ends] != 0.0
+        point, corner = np.nonzero(weighted & blind[own.anchors[:, : own.ends]])
+        points.append(first + point)
+        anchors.append(own.anchors[point, corner])
+        first += len(own.anchors)
+    points, anchors = np.concatenate(points), np.concatenate(anchors)
+    # the particles that are hidden from every anchor
+    order = np.argsort(hidden_pairs[:, 1], kind="stable")
+    particles = hidden_pairs[order, 0]
+    ends = np.searchsorted(hidden_pairs[order, 1], np.arange(n + 1))
+    counts = np.diff(ends)[anchors]
+    which = np.repeat(ends[anchors], counts) + _counted(counts)
+    return np.unique(np.repeat(points, counts) * n + particles[which])
+
+
+def _among(keys: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Find which of the integers ``keys`` are among the sorted ``known``, a mask."""
+    at = np.searchsorted(known, keys)
+    return (
+        known[np.minimum(at, known.size - 1)] == keys if known.size else np.zeros(keys.shape, bool)
+    )
+
+
+def _hidden(start, neighbours, group_size: int, first: int, unseen, n: int) -> np.ndarray:
+    """Mark the neighbours of groups that their points do not see, as ``PointTable.hidden``; in the pairs
+    ``unseen`` the points of the set are numbered from ``first`` on."""
+    if unseen is None:
+        return np.empty(0, bool)
+    # the neighbours of the group of every point, flat (group, point, neighbour)
+    sizes = np.repeat(np.diff(start), group_size)
+    row = np.repeat(np.arange(sizes.size), sizes)
+    at = _counted(sizes) + np.repeat(start[:-1], np.diff(start) * group_size)
+    hidden = _among((first + row) * n + neighbours[at], unseen)
+    return hidden if hidden.any() else np.empty(0, bool)
 
 
 def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
@@ -240,19 +289,21 @@ def raw_tables(cloud: Cloud, *sets: PointSet) -> tuple[PointTable, ...]:
         Where the supports of the particles do not cover a point well enough.
     """
     coordinates = [own.at(cloud.particles) for own in sets]
-    start, neighbours = neighbour_lists(cloud, np.concatenate(coordinates), *sets)
+    start, neighbours, hidden = neighbour_lists(cloud, np.concatenate(coordinates), *sets)
     # one list of neighbours for all sets: cells need Gauss and edge points on the same one
     return tuple(
-        _evaluated(cloud, own, x, start, neighbours)
-        for own, x in zip(sets, coordinates, strict=True)
+        _evaluated(cloud, own, x, start, neighbours, unseen)
+        for own, x, unseen in zip(sets, coordinates, hidden, strict=True)
     )
 
 
-def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
+def _evaluated(cloud, points, coordinates, start, neighbours, hidden) -> PointTable:
     size, needed = neighbours.size * points.group_size, points.valued or points.hooped
     phi, grad = np.empty(size * needed), np.empty(2 * size * points.sloped)
     inverses = np.empty((len(coordinates), cloud.n_basis, cloud.n_basis))
-    singular = evaluate_shape_functions(cloud, coordinates, start, neighbours, phi, grad, inverses)
+    singular = evaluate_shape_functions(
+        cloud, coordinates, start, neighbours, hidden, phi, grad, inverses
+    )
     if singular >= 0:
         x, y = coordinates[singular]
         raise SingularMomentMatrixError(
@@ -260,12 +311,50 @@ def _evaluated(cloud, points, coordinates, start, neighbours) -> PointTable:
             "cover this point; use a larger kernel support (support of the door seal and of Kernels, "
             "support_radius of a mesh file), or smaller boundary offsets"
         )
+    interpolated = _interpolated(cloud, points)
+    if interpolated.size and phi.size:
+        _interpolate(points, np.flatnonzero(interpolated), start, neighbours, phi)
     if points.hooped:
         rows = np.empty(3 * size)
         with_hoop_rows(start, points.group_size, grad, phi, coordinates[:, 0], rows)
         phi, grad = phi if points.valued else np.empty(0), rows
     raw = ShapeTable(start, neighbours, phi, grad, points.group_size)
-    return PointTable(points, coordinates, raw, raw, inverses, cloud)
+    return PointTable(points, coordinates, raw, raw, inverses, hidden, interpolated, cloud)
+
+
+def _interpolated(cloud: Cloud, points: PointSet) -> np.ndarray:
+    """Find the points at or between two particles of interfaces, a mask (n_points,), empty for none."""
+    if not cloud.on_interface.any():
+        return NO_INTERFACE
+    weighted = points.weights != 0.0
+    found = (cloud.on_interface[points.anchors] | ~weighted).all(axis=1)
+    # not those inside a cell whose corners all lie on interfaces
+    lowest = np.where(weighted, points.anchors, points.anchors.max(initial=0)).min(axis=1)
+    highest = np.where(weighted, points.anchors, 0).max(axis=1)
+    between = (points.anchors == lowest[:, None]) | (points.anchors == highest[:, None])
+    found &= (between | ~weighted).all(axis=1)
+    return found if found.any() else NO_INTERFACE
+
+
+def _interpolate(points: PointSet, which, start, neighbours, phi) -> None:
+    """Set the values Phi_I of the points ``which`` to the weights of their anchors, in place."""
+    n = int(neighbours.max()) + 1
+    groups, sizes = which // points.group_size, np.diff(start)
+    rows = start[groups] * points.group_size + which % points.group_size * sizes[groups]
+    phi[np.repeat(rows, sizes[groups]) + _counted(sizes[groups])] = 0.0
+    # neighbours are sorted in every group
+    keys = np.repeat(np.arange(sizes.size), sizes) * n + neighbours
+    for anchors, weights in zip(points.anchors[which].T, points.weights[which].T, strict=True):
+        # an anchor without a weight need not be a neighbour
+        some = np.flatnonzero(weights)
+        at = np.searchsorted(keys, groups[some] * n + anchors[some]) - start[groups[some]]
+        # Phi_I(x) = sum of the weights of I
+        phi[rows[some] + at] += weights[some]
+
+
+def _counted(sizes: np.ndarray) -> np.ndarray:
+    """Count from 0 within consecutive runs of these sizes."""
+    return np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
 
 
 def build_table(

@@ -1,39 +1,34 @@
-"""Supports that do not reach across a void.
+"""Supports that do not reach across a void, round a corner of one, or across an interface.
 
-A particle belongs to the neighbours of a point only if the two are joined through cells inside its
-support, not across a notch, a slit or the gap between a lip and its body. Decided once, for the nominal
-body, and then frozen, so that shape functions stay smooth in the design.
+A particle sees another one if cells join them without much of a detour: a chain of sides between cells
+of one part of the section, each of which has a point x with
 
-The part of a cell inside a disc is convex. Two cells that share a side are therefore joined inside
-the disc where the side comes into it, and the least radius at which a particle and a cell are joined
-is that of the best chain of sides between them.
+    |x - X_I| + |x - X_J| <= kappa |X_J - X_I|,    kappa = 1.1.
+
+The points inside this ellipse are those of detours up to kappa. The part of a cell inside it is convex,
+so two cells that share a side are joined inside the ellipse where the side comes into it.
+
+Decided once, for the nominal body, and then frozen, so that shape functions stay smooth in the design.
+A point sees the particles that are hidden from none of its anchors. Shape functions therefore jump from
+cell to cell where a particle is hidden. A point on a side has the same values in both cells, which is
+all that the consistent integration needs (``consistent_gradients``).
 """
-
-import heapq
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from seal_mdao.compilation import compiled, internal
+
 # Pairs up to this distance over the support radius are examined: some come closer in other designs.
 MARGIN = 1.5
 
-# Least support radius over the longest side of a cell at a particle: covers every point of a cell by
-# three of its corners.
-LEAST = 1.5
-# Largest support radius of a particle over its distance from a vertex around which it must not reach.
-SHORT = 0.99
+# Longest accepted way round a corner over the straight distance. Particles beside each other along a
+# curved boundary are 1.03 times apart on its sides (45 degrees of an arc), those on both sides of a
+# right-angled corner up to 1.41 times.
+DETOUR = 1.1
 
 
-def side_distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Compute distances of points (..., 2) from straight sides between (..., 2) and (..., 2)."""
-    along, to = end - start, points - start
-    # closest point start + s along, s = along . (x - start) / |along|^2 clipped to [0, 1]
-    square = (along**2).sum(axis=-1)
-    s = np.clip((along * to).sum(axis=-1) / np.where(square > 0.0, square, 1.0), 0.0, 1.0)
-    return np.hypot(*np.moveaxis(to - s[..., None] * along, -1, 0))
-
-
-def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -> np.ndarray:
+def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray, parts=None):
     """Find pairs (m, 2): a particle, and one within its support that is not visible from it.
 
     Parameters
@@ -44,69 +39,108 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray) -
         Of the nominal body.
     radius : ndarray, shape (n,)
         Support radii.
+    parts : ndarray of int, shape (n_cells,), optional
+        Part of the section that each cell belongs to; supports end at the interfaces of parts.
+
+    Returns
+    -------
+    ndarray of int, shape (m, 2)
+        In order.
     """
-    beyond = _sides(cells)
-    sides, around = beyond.tolist(), _cells_at_particles(cells, len(particles))
-    tree = cKDTree(particles)
-    # in a disc without boundary every straight line from its centre lies in the body
-    near_boundary = np.flatnonzero(_boundary_distances(cells, beyond, particles) <= MARGIN * radius)
-    near = tree.query_ball_point(
-        particles[near_boundary], MARGIN * radius[near_boundary], return_sorted=True
+    beyond = _sides(cells, parts)
+    # an ellipse of pairs within the margin lies in a disc of (1 + kappa) / 2 times their distance; in a
+    # disc without boundary every particle is visible
+    near = 0.5 * (1.0 + DETOUR) * MARGIN * radius
+    near = np.flatnonzero(_boundary_distances(cells, beyond, particles) <= near)
+    candidates = cKDTree(particles).query_ball_point(
+        particles[near], MARGIN * radius[near], return_sorted=True
     )
-    # smallest distance to which cells at a particle are joined; a particle of no cell is not hidden
-    unjoined = np.where([bool(len(own)) for own in around], np.inf, 0.0)
-    least, found = unjoined.copy(), []
-    for particle, candidates in zip(near_boundary.tolist(), near, strict=True):
-        nearby = np.unique(np.concatenate([around[other] for other in candidates]))
-        own = around[particle]
-        # only the particle's own cells are near: nothing can be hidden
-        if nearby.size == own.size:
-            continue
-        ends = cells[nearby], np.roll(cells[nearby], -1, axis=1)
-        reach = side_distances(particles[particle], *(particles[end] for end in ends))
-        joined = _joined_within(sides, own, dict(zip(nearby.tolist(), reach.tolist(), strict=True)))
-        corners = cells[list(joined)]
-        np.minimum.at(least, corners, np.array(list(joined.values()))[:, None])
-        # hidden: joined only beyond the support radius and the straight distance
-        others = np.array(candidates)
-        apart = np.hypot(*(particles[others] - particles[particle]).T)
-        hidden = others[least[others] > np.maximum(apart, radius[particle])]
-        found.append(np.column_stack([np.full_like(hidden, particle), hidden]))
-        least[corners] = unjoined[corners]
-    return np.concatenate(found) if found else np.empty((0, 2), int)
+    pairs = np.column_stack([
+        np.repeat(near, [len(own) for own in candidates]),
+        np.concatenate([np.empty(0, int), *candidates]).astype(int),
+    ])  # fmt: skip
+    start, around = _cells_at_particles(cells, len(particles))
+    # a particle of no cell is not hidden
+    pairs = pairs[(np.diff(start)[pairs] > 0).all(axis=1)]
+    return pairs[~_visible(cells, beyond, particles, start, around, pairs)]
 
 
-def ended_at(places, particles: np.ndarray, radius: np.ndarray, support: float) -> np.ndarray:
-    """Shorten support radii (n,) so that supports end before the vertices of notches.
-
-    A particle whose support does not contain the vertex is hidden from the other face of the notch.
-
-    Parameters
-    ----------
-    places : ndarray, shape (k, 2)
-        Vertices.
-    particles : ndarray, shape (n, 2)
-        Of the nominal body.
-    radius : ndarray, shape (n,)
-        Support radii.
-    support : float
-        These over the longest sides of cells at the particles; they are no shorter than ``LEAST`` sides.
-    """
-    if not len(places):
-        return radius
-    # a_I = min(a_I, max(0.99 |X_I - X_v|, 1.5 h_I)),  h_I = a_I / support
-    away = cKDTree(places).query(particles)[0]
-    return np.minimum(radius, np.maximum(SHORT * away, LEAST / support * radius))
+def on_interfaces(cells: np.ndarray, parts: np.ndarray, n: int) -> np.ndarray:
+    """Find the particles of cells of several parts, a mask (n,)."""
+    # smallest and largest part of the cells at every particle
+    least, largest = np.full(n, np.inf), np.full(n, -np.inf)
+    np.minimum.at(least, cells, parts[:, None])
+    np.maximum.at(largest, cells, parts[:, None])
+    return least < largest
 
 
-def _sides(cells: np.ndarray) -> np.ndarray:
-    """Find the neighbour cell across every side, -1 for none, shape (n_cells, 4)."""
+@internal
+def _detour(ax, ay, bx, by, fx, fy, gx, gy):
+    """Compute min |x - f| + |x - g| of the points x of the side from a to b."""
+    dx, dy = bx - ax, by - ay
+    length = np.hypot(dx, dy)
+    tx, ty = dx / length, dy / length
+    # distances from the line of the side, and places along it
+    df, dg = abs(tx * (fy - ay) - ty * (fx - ax)), abs(tx * (gy - ay) - ty * (gx - ax))
+    sf, sg = tx * (fx - ax) + ty * (fy - ay), tx * (gx - ax) + ty * (gy - ay)
+    # equal angles with the side, where f and g lie on both sides of it on the straight line between them
+    s = sf if df + dg == 0.0 else (sf * dg + sg * df) / (df + dg)
+    # the sum is convex along the side
+    s = min(max(s, 0.0), length)
+    x, y = ax + s * tx, ay + s * ty
+    return np.hypot(x - fx, y - fy) + np.hypot(x - gx, y - gy)
+
+
+@compiled
+def _visible(cells, beyond, particles, start, around, pairs):
+    """Find the pairs (k, 2) of particles that see each other, a mask (k,); the cells at particle i are
+    ``around[start[i]:start[i + 1]]``."""
+    visible = np.zeros(len(pairs), np.bool_)
+    reached, stack = np.full(len(cells), -1), np.empty(len(cells), np.int64)
+    for pair in range(len(pairs)):
+        i, j = pairs[pair]
+        fx, fy, gx, gy = particles[i, 0], particles[i, 1], particles[j, 0], particles[j, 1]
+        longest = DETOUR * np.hypot(gx - fx, gy - fy)
+        size = 0
+        for cell in around[start[i] : start[i + 1]]:
+            stack[size] = cell
+            reached[cell] = pair
+            size += 1
+        # flood the cells through sides inside the ellipse, until one of particle j is reached
+        while size > 0 and not visible[pair]:
+            size -= 1
+            cell = stack[size]
+            for k in range(4):
+                a, b = cells[cell, k], cells[cell, (k + 1) % 4]
+                if a == j:
+                    visible[pair] = True
+                other = beyond[cell, k]
+                if other < 0 or reached[other] == pair:
+                    continue
+                if (
+                    _detour(
+                        particles[a, 0], particles[a, 1], particles[b, 0], particles[b, 1],
+                        fx, fy, gx, gy,
+                    )
+                    <= longest
+                ):  # fmt: skip
+                    reached[other] = pair
+                    stack[size] = other
+                    size += 1
+    return visible
+
+
+def _sides(cells: np.ndarray, parts) -> np.ndarray:
+    """Find the neighbour cell of the same part across every side, -1 for none, shape (n_cells, 4)."""
     ends = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
     # equal pairs of end particles become consecutive; a collapsed side (a, a) has no neighbour
     order = np.lexsort(ends.T)
     same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
     same &= ends[order[1:], 0] != ends[order[1:], 1]
     first, second = order[:-1][same], order[1:][same]
+    if parts is not None:
+        of_one = parts[first // 4] == parts[second // 4]
+        first, second = first[of_one], second[of_one]
     beyond = np.full(ends.shape[0], -1)
     beyond[first], beyond[second] = second // 4, first // 4
     return beyond.reshape(-1, 4)
@@ -122,27 +156,9 @@ def _boundary_distances(cells: np.ndarray, beyond: np.ndarray, particles: np.nda
     return cKDTree(0.5 * (start + end)).query(particles)[0] - half
 
 
-def _cells_at_particles(cells: np.ndarray, n: int) -> list:
-    found = [[] for _ in range(n)]
-    for cell, corners in enumerate(cells):
-        for corner in dict.fromkeys(corners.tolist()):
-            found[corner].append(cell)
-    return [np.array(at, int) for at in found]
-
-
-def _joined_within(beyond: list, own: np.ndarray, reach: dict) -> dict:
-    """Find the least radius at which each cell of ``reach`` (side distances) is joined to ``own``.
-
-    ``beyond`` has the neighbour cell across every side.
-    """
-    least, heap = {}, [(0.0, int(cell)) for cell in own]
-    while heap:
-        # Dijkstra with the largest distance on a path in place of its length
-        radius, cell = heapq.heappop(heap)
-        if cell in least:
-            continue
-        least[cell] = radius
-        for distance, other in zip(reach[cell], beyond[cell], strict=True):
-            if other >= 0 and other in reach and other not in least:
-                heapq.heappush(heap, (max(radius, distance), other))
-    return least
+def _cells_at_particles(cells: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Cells at every particle, in order, as (start, cells); a triangle's repeated corner counts once."""
+    cell = np.repeat(np.arange(len(cells)), 4)
+    key = np.unique(cells.ravel() * len(cells) + cell)
+    particle, around = np.divmod(key, len(cells))
+    return np.searchsorted(particle, np.arange(n + 1)), around

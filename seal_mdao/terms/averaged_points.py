@@ -81,7 +81,7 @@ def averaged_points(
     linear = np.column_stack([hat, 1.0 - hat, np.zeros((2, 2))])
     between = linear - bulge[:, None] / 12.0
     anchors = np.column_stack([a, b, c, np.where(known, c[back], b)])
-    gauss = PointSet(np.repeat(anchors, 2, axis=0), between.reshape(-1, 4), 4, sloped=False)
+    gauss = PointSet(np.repeat(anchors, 2, axis=0), between.reshape(-1, 4), 4, sloped=False, ends=2)
     # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
     inside = inner & known
     if axisymmetric:

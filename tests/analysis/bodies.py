@@ -52,7 +52,7 @@ def square(rng, n=6, order=1, fixed="rim", column=1, n_gauss=2, inner=None):
 
 
 def pieces(rng, kind, void, n=9):
-    """A square of triangles, or of triangles and quadrilaterals, with a hole or a notch.
+    """A square of triangles, or of triangles and quadrilaterals, with a hole, a notch or an interface.
 
     The rim of the square is fixed. Returns the discretisation and the sides (m, 2) of the void, the
     body on the left.
@@ -80,7 +80,10 @@ def pieces(rng, kind, void, n=9):
     on_square = np.isin(particles, (0.0, 1.0))[outer]
     sides = outer[~(on_square[:, 0] & on_square[:, 1]).any(axis=1)]
     radius = np.full(len(used), 2.3 / (n - 1))
-    hidden = hidden_pairs(cells, particles, radius)
+    # the interface bends in the middle
+    x, y = particles[cells].mean(axis=1).T
+    parts = (y > 0.5 + np.maximum(x - 0.5, 0.0)).astype(int) if void == "interface" else None
+    hidden = hidden_pairs(cells, particles, radius, parts)
     body = Body(cells=cells, support_radius=radius, fixed=prescribed, hidden_pairs=hidden)
     return discretize(body, particles), sides
 

@@ -28,7 +28,7 @@ type = "mass"
 
 def built(folder, old="", new=""):
     path = folder / "block.toml"
-    block = pressed_block(1.0, start=4.5, travel=-0.65)
+    block = pressed_block(1.0, start=4.5, travel=-0.6)
     block = block.replace('contact = ["top"]', 'contact = ["top"]\ncontact_points = "particles"')
     path.write_text((FILE + block + MEASURES).replace(old, new))
     return sm.build_seal(path)

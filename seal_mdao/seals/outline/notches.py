@@ -1,6 +1,4 @@
-"""Narrow notches of a section: kernels connect their faces near the vertex (``rkpm.visibility``)."""
-
-from typing import NamedTuple
+"""Narrow notches of a section, at whose vertices particles are closer to each other."""
 
 import numpy as np
 
@@ -9,52 +7,9 @@ NARROW = np.radians(60.0)
 to the vertex."""
 
 
-class Notch(NamedTuple):
-    """A corner of the boundary with a narrow void before it.
-
-    Attributes
-    ----------
-    place : ndarray, shape (2,)
-        Vertex, mm.
-    angle : float
-        Of the void between its faces, radians.
-    reach : float
-        Support radius of the particle at the vertex, mm.
-    """
-
-    place: np.ndarray
-    angle: float
-    reach: float
-
-
-def notch_vertices(boundaries) -> list[np.ndarray]:
-    """Find the corners of every boundary with an angle of the void below ``NARROW``, their indices."""
-    return [np.flatnonzero(_void_angles(boundary) < NARROW) for boundary in boundaries]
-
-
 def notch_places(boundaries) -> np.ndarray:
-    """Collect the vertices of all narrow notches, shape (k, 2), mm."""
-    which = notch_vertices(boundaries)
-    return np.concatenate([b.points[own] for b, own in zip(boundaries, which, strict=True)])
-
-
-def coarsest_notch(boundaries, loops, radius: np.ndarray) -> Notch | None:
-    """Find the narrow notch with the largest support radius at its vertex.
-
-    Parameters
-    ----------
-    boundaries : sequence of Boundary
-    loops : sequence of ndarray of int
-        Particles at their points.
-    radius : ndarray, shape (n,)
-        Support radii, mm.
-    """
-    found = []
-    for boundary, loop in zip(boundaries, loops, strict=True):
-        angle = _void_angles(boundary)
-        for at in np.flatnonzero(angle < NARROW):
-            found.append(Notch(boundary.points[at], float(angle[at]), float(radius[loop[at]])))
-    return max(found, key=lambda own: own.reach, default=None)
+    """Collect the vertices of all notches with an angle of the void below ``NARROW``, (k, 2), mm."""
+    return np.concatenate([own.points[_void_angles(own) < NARROW] for own in boundaries])
 
 
 def _void_angles(boundary) -> np.ndarray:

@@ -15,7 +15,7 @@ from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
-from seal_mdao.rkpm.visibility import ended_at, hidden_pairs
+from seal_mdao.rkpm.visibility import hidden_pairs, on_interfaces
 from seal_mdao.seals.outline.boundary_path import stretches
 from seal_mdao.seals.outline.design import (
     boundary_velocity,
@@ -23,10 +23,9 @@ from seal_mdao.seals.outline.design import (
     harmonic_extension,
 )
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
-from seal_mdao.seals.outline.notches import coarsest_notch, notch_vertices
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
 from seal_mdao.seals.outline.section_body import SectionBody
-from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud, longest_side
+from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
 from seal_mdao.seals.outline.sizes import unusual_size, unusual_stages
 from seal_mdao.seals.outline.unusual_values import unusual_values
 from seal_mdao.seals.profiles import contacts
@@ -35,9 +34,6 @@ from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.structure.region import Region
 
-CLOSE = 0.5
-"""Support radius at the vertex of a notch over the longest side of a cell, up to which forces are right
-within about 1 %."""
 ON_AXIS = 1e-9
 """Distance from the axis that is rounding, over the size of the section."""
 NONE = MappingProxyType({})
@@ -134,9 +130,8 @@ class OutlineSeal(Seal):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings about an unusual size or displacement, material values far from those of rubber,
-        walls with too few layers of particles, and narrow notches; layers of ``rays`` are chosen by the
-        user."""
+        """Warnings about an unusual size or displacement, material values far from those of rubber, and
+        walls with too few layers of particles; layers of ``rays`` are chosen by the user."""
         extent = np.ptp(self.nominal_particles, axis=0)
         size = unusual_size(extent)
         far = [
@@ -146,24 +141,7 @@ class OutlineSeal(Seal):
         unusual = unusual_values(self._terms[0])
         return (
             *super().warnings, *([size] if size else []), *far, *unusual, *self._few_layers(),
-            *self._narrow_notch(),
         )  # fmt: skip
-
-    def _narrow_notch(self) -> tuple[str, ...]:
-        notch = coarsest_notch(self.boundaries, self.loops, self.body.support_radius)
-        if notch is None:
-            return ()
-        # particles that a spacing places are close enough to each other there
-        if notch.reach <= CLOSE * longest_side(self.body.cells, self.nominal_particles):
-            return ()
-        x, y = np.round(notch.place, 6) + 0.0
-        return (
-            f"the notch at x = {x:.3g}, y = {y:.3g} has an angle of {np.degrees(notch.angle):.0f} "
-            "degrees, and the particles of its two faces are connected up to about "
-            f"{notch.reach:.2g} mm from the vertex, so forces may be too large by 5 to 10 %, and "
-            "stresses there are wrong; use a smaller edge_spacing for the edges that meet there, and "
-            "compare two spacings",
-        )
 
     def _few_layers(self) -> tuple[str, ...]:
         if isinstance(self.spacing, Rays):
@@ -243,7 +221,7 @@ def outline_seal(
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    body = _body(filled, kernels, prescribed, edges, model.axisymmetric, boundaries)
+    body = _body(filled, kernels, prescribed, edges, model.axisymmetric)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
@@ -317,14 +295,7 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
         # nominal particles such that X = X_0 + sum_p b_p V_p is the new cloud at the present offsets b
         nominal_particles=filled.particles - np.tensordot(offsets, velocity, 1),
         design_velocity=velocity,
-        body=_body(
-            filled,
-            seal.kernels,
-            prescribed,
-            seal.body.edges,
-            seal.body.axisymmetric,
-            seal.boundaries,
-        ),
+        body=_body(filled, seal.kernels, prescribed, seal.body.edges, seal.body.axisymmetric),
     )
 
 
@@ -353,21 +324,19 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))
 
 
-def _body(
-    filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool, boundaries
-) -> Body:
+def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool) -> Body:
     # kernels are chosen for the nominal particles, and stay the same in all designs
     cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
     radius, axes = filled.support_radius, filled.support_axes
     if radius is None:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
-        if axes is None:
-            at = [loop[k] for loop, k in zip(filled.loops, notch_vertices(boundaries), strict=True)]
-            radius = ended_at(nominal[np.concatenate(at)], nominal, radius, kernels.support)
+    # a part of one layer of cells has too few particles for the quadratic basis
+    parts = filled.parts if kernels.basis_order == 1 else np.zeros(len(cells), int)
     return Body(
         cells, radius, prescribed, edges, nominal=nominal,
-        hidden_pairs=hidden_pairs(cells, nominal, radius),
+        hidden_pairs=hidden_pairs(cells, nominal, radius, parts),
+        on_interface=on_interfaces(cells, parts, len(nominal)),
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
         n_gauss=kernels.n_gauss, axisymmetric=axisymmetric,
     )  # fmt: skip

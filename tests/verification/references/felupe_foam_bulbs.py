@@ -1,15 +1,16 @@
-"""Force on a foam bulb beside a notch of 24 degrees by finite elements of FElupe and gmsh.
+"""Force on a foam bulb on rubber, beside a notch of 24 degrees or not, by finite elements of FElupe and
+gmsh.
 
-Not run by the tests. It writes ``notched_bulb.json`` beside it::
+Not run by the tests. It writes ``notched_bulb.json`` and ``bulb_on_block.json`` beside it::
 
     python -m venv fe && fe/bin/pip install felupe==11.3.0 gmsh==4.15.2 scipy==1.17.1
-    OMP_NUM_THREADS=1 fe/bin/python felupe_notched_bulb.py
+    OMP_NUM_THREADS=1 fe/bin/python felupe_foam_bulbs.py
 
-Elements: triangles with quadratic displacement, plane strain, smaller at the vertex of the notch and
-below the door. Foam and rubber: W = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2; the outside of the clip
-is fixed, so that its rubber hardly moves. Contact: Simpson's rule of a linear penalty along the arc,
-without friction. The right half stands for the whole section. Lengths in mm, stresses in kPa, forces in
-N/m.
+Elements: triangles with quadratic displacement, plane strain, smaller at the corner between bulb and
+rubber and below the door. Foam and rubber: W = mu/2 (I1 - 3 - 2 ln J) + lambda/2 (ln J)^2; the outside
+of a clip is fixed, so that its rubber hardly moves, of a block the base. Contact: Simpson's rule of a
+linear penalty along the arc, without friction. The right half stands for the whole section. Lengths in
+mm, stresses in kPa, forces in N/m.
 """
 
 import json
@@ -23,25 +24,27 @@ from scipy.sparse.linalg import spsolve
 
 FOAM = {"mu": 130.0154, "lmbda": 0.0}
 CLIP = {"mu": 2350.95, "lmbda": 998432.7}
-FOOT, TOP, PENALTY, TRAVEL, STEPS = 2.39791576, 14.0, 1e3, 1.0, 4
-MESHES = {0.5: 0.05, 0.3: 0.03, 0.2: 0.01, 0.15: 0.004}
-"""Element sizes, and those at the vertex of the notch, mm."""
+FOOT, TOP, PENALTY, TRAVEL, STEPS = 2.39791576, 14.0, 1e3, 1.0, 8
+CLIP_CORNERS = [(0, 0), (1.5, 0), (1.5, -3), (4, -3), (4, 2.5), (FOOT, 2.5), (0, 2.5)]
+BLOCK_CORNERS = [(0, 0), (FOOT, 0), (FOOT, 2.5), (0, 2.5)]
+CLIP_MESHES = {0.5: 0.05, 0.3: 0.03, 0.2: 0.01, 0.15: 0.004}
+BLOCK_MESHES = {0.5: 0.05, 0.3: 0.03, 0.2: 0.015, 0.15: 0.01}
+"""Element sizes, and those at the corner between bulb and rubber, mm."""
 
 
-def mesh_of(size, least):
-    """Points (n, 2), triangles (m, 6) and the mask of those of the clip."""
+def mesh_of(outline, size, least):
+    """Points (n, 2), triangles (m, 6) and the mask of those of the rubber below the bulb."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     geo, field = gmsh.model.geo, gmsh.model.mesh.field
-    clip = [(0, 0), (1.5, 0), (1.5, -3), (4, -3), (4, 2.5), (FOOT, 2.5), (0, 2.5)]
-    *_, foot, parting = corners = [geo.addPoint(*xy, 0) for xy in clip]
+    *_, foot, parting = corners = [geo.addPoint(*xy, 0) for xy in outline]
     around = [geo.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     below, top, above, centre, side, hole = (
         geo.addPoint(*xy, 0) for xy in ((0, 3.5), (0, TOP), (0, 12.5), (0, 8), (6, 8), (4.5, 8))
     )
     bulb = [geo.addCircleArc(foot, centre, side), geo.addCircleArc(side, centre, top)]
     bulb += [geo.addLine(top, above), geo.addCircleArc(above, centre, hole)]
-    bulb += [geo.addCircleArc(hole, centre, below), geo.addLine(below, parting), -around[5]]
+    bulb += [geo.addCircleArc(hole, centre, below), geo.addLine(below, parting), -around[-2]]
     parts = [geo.addPlaneSurface([geo.addCurveLoop(curves)]) for curves in (around, bulb)]
     geo.synchronize()
     sizes = []
@@ -67,9 +70,9 @@ def mesh_of(size, least):
     return points, flat.reshape(-1, 6), stiff
 
 
-def force(size, least):
+def force(outline, size, least):
     """Force on the door after its travel, of the whole section, N/m."""
-    points, cells, stiff = mesh_of(size, least)
+    points, cells, stiff = mesh_of(outline, size, least)
     region = fem.RegionQuadraticTriangle(fem.Mesh(points, cells, "triangle6"))
     fields = fem.FieldContainer([fem.FieldPlaneStrain(region, dim=2)])
     law = fem.NeoHookeCompressible(
@@ -80,9 +83,12 @@ def force(size, least):
     x, y = points.T
     fixed = np.zeros(points.shape, bool)
     fixed[x < 1e-9, 0] = True
-    shoulder = (np.abs(y - 2.5) < 1e-9) & (x > FOOT - 1e-9)
-    slot = (np.abs(y) < 1e-9) | ((np.abs(x - 1.5) < 1e-9) & (y < 0.0)) | (y < 1e-9 - 3.0)
-    fixed[shoulder | slot | ((x > 4.0 - 1e-9) & (y < 2.5))] = True
+    if outline is CLIP_CORNERS:
+        shoulder = (np.abs(y - 2.5) < 1e-9) & (x > FOOT - 1e-9)
+        slot = (np.abs(y) < 1e-9) | ((np.abs(x - 1.5) < 1e-9) & (y < 0.0)) | (y < 1e-9 - 3.0)
+        fixed[shoulder | slot | ((x > 4.0 - 1e-9) & (y < 2.5))] = True
+    else:
+        fixed[y < 1e-9] = True
     free = np.flatnonzero(~fixed.ravel())
     # Simpson's rule on the sides of the arc: corner, middle, corner
     arc = np.flatnonzero((np.abs(np.hypot(x, y - 8.0) - 6.0) < 1e-6) & (y > 8.0 - 1e-6))
@@ -113,14 +119,14 @@ def force(size, least):
     return round(2.0 * float(push.sum()), 4)
 
 
-def main():
-    found = {f"elements of {size} mm": force(size, least) for size, least in MESHES.items()}
+def write(name, section, outline, meshes):
+    found = {
+        f"elements of {size} mm": force(outline, size, least) for size, least in meshes.items()
+    }
     record = {
-        "section": "foam bulb of radius 6 mm and wall 1.5 mm, its foot cut off at y = 2.5 and bonded to "
-        "a clip of rubber with shoulders, notches of 24 degrees between bulb and shoulders, pressed by "
-        "a flat door",
+        "section": section,
         "foam": FOAM,
-        "clip": CLIP,
+        "rubber": CLIP,
         "normal_penalty": PENALTY,
         "travel_mm": TRAVEL,
         "force_N_per_m": list(found.values())[-1],
@@ -129,8 +135,24 @@ def main():
         "code": "FElupe 11.3.0 (SolidBody of NeoHookeCompressible), gmsh 4.15.2",
         "meshes_N_per_m": found,
     }
-    path = Path(__file__).parent / "notched_bulb.json"
-    path.write_text(json.dumps(record, indent=1) + "\n")
+    (Path(__file__).parent / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
+
+
+def main():
+    bulb = "foam bulb of radius 6 mm and wall 1.5 mm, its foot cut off at y = 2.5 and bonded to "
+    write(
+        "notched_bulb",
+        f"{bulb}a clip of rubber with shoulders, notches of 24 degrees between bulb and shoulders, "
+        "pressed by a flat door",
+        CLIP_CORNERS,
+        CLIP_MESHES,
+    )
+    write(
+        "bulb_on_block",
+        f"{bulb}a block of rubber as wide as the foot, pressed by a flat door",
+        BLOCK_CORNERS,
+        BLOCK_MESHES,
+    )
 
 
 if __name__ == "__main__":
