@@ -244,7 +244,7 @@ def test_a_ring_squeezed_radially_is_reported_with_its_radial_force(squeezed):
 
     class History:
         kind, objective_name, objective = "optimisation", "reaction", np.array([1.0])
-        major, evaluations, max_violation = True, 1, np.array([0.0])
+        major, iterations, evaluations, max_violation = True, 0, 1, np.array([0.0])
 
     force = squeezed.path.reaction("cylinder")[-1]
     assert abs(force[0]) > 100.0 * abs(force[1])
