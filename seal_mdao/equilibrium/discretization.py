@@ -17,6 +17,7 @@ from seal_mdao.rkpm.consistent_gradients import CellTable, EdgeRule, build_cell_
 from seal_mdao.rkpm.essential import EssentialTransformation, essential_transformation
 from seal_mdao.rkpm.shape_functions import NO_INTERFACE, NOTHING_HIDDEN, Cloud, PointSet
 from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
+from seal_mdao.rkpm.visibility import particles_in_parts, parts_of_sides
 from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
 
@@ -78,8 +79,9 @@ class Body:
     hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles whose supports must not reach each other across a void, round a corner or
         across an interface (``rkpm.visibility.hidden_pairs`` of the nominal body).
-    on_interface : ndarray of bool, shape (n,), or empty
-        Particles on interfaces between materials (``rkpm.visibility.on_interfaces``).
+    parts : ndarray of int, shape (n_cells,), or None
+        Part of the section that every cell belongs to, at whose interfaces shape functions end; None for
+        one part.
     support_axes : ndarray, shape (n, 2, 2), or None
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
@@ -99,7 +101,7 @@ class Body:
     basis_order: int = 1
     n_gauss: int | tuple[int, int] = 2
     hidden_pairs: np.ndarray = field(default_factory=lambda: NOTHING_HIDDEN)
-    on_interface: np.ndarray = field(default_factory=lambda: NO_INTERFACE)
+    parts: np.ndarray | None = None
     support_axes: np.ndarray | None = None
     column: int = 1
     axisymmetric: bool = False
@@ -150,14 +152,30 @@ class Body:
 
     @cached_property
     def samples(self) -> PointSet:
-        """Sample points: particles, midpoints of the sides of cells, centres of cells."""
+        """Sample points: particles, midpoints of the sides of cells, centres of cells; those on
+        interfaces belong to the last part."""
         # each side once; the repeated corner of a triangle gives no side
         pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
         sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
         # each point is the mean of four anchors: X = 1/4 sum_a X_a (repeated where it has fewer)
         particles = np.repeat(np.arange(self.n_particles)[:, None], 4, axis=1)
         anchors = np.vstack([particles, np.tile(sides, 2), self.cells])
-        return PointSet(anchors, np.full(anchors.shape, 0.25), 1)
+        parts = None
+        if self.parts is not None:
+            last = np.zeros(self.n_particles, int)
+            np.maximum.at(last, self.cells, self.parts[:, None])
+            parts = np.concatenate([last, self.side_parts(sides), self.parts])
+        return PointSet(anchors, np.full(anchors.shape, 0.25), 1, parts=parts)
+
+    def side_parts(self, sides: np.ndarray) -> np.ndarray | None:
+        """Find the last part at every side (m, 2) between two particles, shape (m,); None for one."""
+        return None if self.parts is None else parts_of_sides(self.cells, self.parts, sides)
+
+    @cached_property
+    def _in_parts(self) -> np.ndarray:
+        if self.parts is None:
+            return NO_INTERFACE
+        return particles_in_parts(self.cells, self.parts, self.n_particles)
 
     @cached_property
     def edge_rule(self) -> EdgeRule:
@@ -198,7 +216,13 @@ class Body:
         # w = w_g det(dX/d eta) of the Gauss points of every cell
         weights = quadrature_weights(self.cell_map, cloud.particles)
         return build_cell_table(
-            cloud, self.cell_map, self.edge_rule, weights, transformation, self.axisymmetric
+            cloud,
+            self.cell_map,
+            self.edge_rule,
+            weights,
+            transformation,
+            self.axisymmetric,
+            self.parts,
         )
 
     def cloud(self, particles: np.ndarray) -> Cloud:
@@ -209,7 +233,7 @@ class Body:
             float(self.support_radius.max()),
             BASIS_SIZE[self.basis_order],
             self.hidden_pairs,
-            self.on_interface,
+            self._in_parts,
             self.support_axes,
         )
 
@@ -280,11 +304,12 @@ class Discretization:
         which = np.asarray(which, int)
         key = which.tobytes()
         if key not in self._tables_at:
-            points = single_points(which)
+            points, every = single_points(which), self.body.samples
             if which.max(initial=0) >= self.body.n_particles:
-                every = self.body.samples
                 # beyond the particles: midpoints of sides and centres of cells
                 points = PointSet(every.anchors[which], every.weights[which], 1)
+            if every.parts is not None:
+                points = points._replace(parts=every.parts[which])
             self._tables_at[key] = self.sloped_table(points)
         return self._tables_at[key]
 

@@ -141,7 +141,10 @@ def _refined(cells, region, n: int):
     rows = np.concatenate([np.take_along_axis(part, order, -1) for part in (anchors, weights)], -1)
     rows = np.concatenate([np.broadcast_to(region[:, None, None], (*shape[:2], 1)), rows], -1)
     found, index = np.unique(rows.reshape(-1, 9), axis=0, return_inverse=True)
-    points = PointSet(np.ascontiguousarray(found[:, 1:5]), found[:, 5:] / n**2, 1)
+    # shape functions of a point are those of its material
+    points = PointSet(
+        np.ascontiguousarray(found[:, 1:5]), found[:, 5:] / n**2, 1, parts=found[:, 0]
+    )
     return points, index.reshape(len(cells), n + 1, n + 1), found[:, 0]
 
 

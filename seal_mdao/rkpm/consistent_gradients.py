@@ -495,6 +495,7 @@ def build_cell_table(
     weights: np.ndarray,
     transformation,
     axisymmetric: bool = False,
+    parts: np.ndarray | None = None,
 ) -> CellTable:
     """Build the consistent shape functions at the quadrature points, with essential conditions.
 
@@ -504,8 +505,13 @@ def build_cell_table(
         Of the section.
     axisymmetric : bool
         Whether the section is turned about the axis x = 0.
+    parts : ndarray of int, shape (n_cells,), optional
+        Part of every cell.
     """
-    gauss, edges = raw_tables(cloud, *integration_points(mapping, rule, axisymmetric))
+    gauss, edges = integration_points(mapping, rule, axisymmetric)
+    if parts is not None:
+        gauss = gauss._replace(parts=np.repeat(parts, mapping.n_points))
+    gauss, edges = raw_tables(cloud, gauss, edges)
     around, normals = weights * circumferences(gauss, weights.shape), around_normals(rule, gauss)
     grad = np.empty(gauss.raw.grad.size)
     _correct(gauss.raw, edges.raw, rule.point_of, around, normals, grad)

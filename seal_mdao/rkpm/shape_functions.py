@@ -27,7 +27,7 @@ from seal_mdao.rkpm.moment import (
 from seal_mdao.rkpm.scatter import scatter_add
 
 NOTHING_HIDDEN = np.empty((0, 2), int)
-NO_INTERFACE = np.empty(0, bool)
+NO_INTERFACE = np.empty((0, 0), bool)
 
 
 class Cloud(NamedTuple):
@@ -46,9 +46,9 @@ class Cloud(NamedTuple):
         3 for the linear, 6 for the quadratic basis.
     hidden_pairs : ndarray of int, shape (m, 2)
         Pairs of particles that are not visible from each other, see ``visibility``.
-    on_interface : ndarray of bool, shape (n_particles,), or empty
-        Particles on interfaces between materials, along which displacements are linear from one to the
-        next.
+    in_parts : ndarray of bool, shape (n_particles, n_parts), or empty
+        Parts that every particle is in; empty for a single one. Particles in several are on interfaces,
+        along which displacements are linear from one to the next.
     axes : ndarray, shape (n_particles, 2, 2), or None for round kernels
         Rows: inverse half-widths of every particle's product kernel along its two directions.
     """
@@ -58,7 +58,7 @@ class Cloud(NamedTuple):
     scale: float
     n_basis: int
     hidden_pairs: np.ndarray = NOTHING_HIDDEN
-    on_interface: np.ndarray = NO_INTERFACE
+    in_parts: np.ndarray = NO_INTERFACE
     axes: np.ndarray | None = None
 
 
@@ -78,6 +78,9 @@ class PointSet(NamedTuple):
     ends : int or None
         Number of anchors, the first ones, between which a point lies, where others bend its edge; None
         for all. A point sees the particles that these see.
+    parts : ndarray of int, shape (n_points,), or None
+        Part that every point belongs to, of whose particles alone its shape functions are; None for
+        points that belong to all parts of their anchors.
     """
 
     anchors: np.ndarray
@@ -87,6 +90,7 @@ class PointSet(NamedTuple):
     sloped: bool = True
     hooped: bool = False
     ends: int | None = None
+    parts: np.ndarray | None = None
 
     def at(self, particles):
         """Compute coordinates of the points, shape (n_points, 2), length unit of ``particles``."""

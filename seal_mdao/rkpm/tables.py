@@ -21,7 +21,6 @@ from seal_mdao.rkpm.shape_derivatives import (
     reverse_shape_functions,
 )
 from seal_mdao.rkpm.shape_functions import (
-    NO_INTERFACE,
     Cloud,
     PointSet,
     ShapeTable,
@@ -219,8 +218,9 @@ def neighbour_lists(cloud: Cloud, coordinates: np.ndarray, *sets: PointSet):
         inside = (np.abs(along) < 1.0) & (np.abs(across) < 1.0)
         particle, point = particle[inside], point[inside]
     n, unseen = len(cloud.particles), None
-    if cloud.hidden_pairs.size:
-        unseen = _unseen(cloud.hidden_pairs, sets, n)
+    if cloud.hidden_pairs.size or cloud.in_parts.size:
+        foreign = _foreign(cloud.in_parts, sets, point, particle)
+        unseen = np.union1d(_unseen(cloud.hidden_pairs, sets, n), foreign)
         seen = ~_among(point * n + particle, unseen)
         particle, point = particle[seen], point[seen]
     # pairs (group, particle) as one integer, sorted by group, then particle; several points of a group
@@ -257,6 +257,19 @@ def _unseen(hidden_pairs: np.ndarray, sets, n: int) -> np.ndarray:
     counts = np.diff(ends)[anchors]
     which = np.repeat(ends[anchors], counts) + _counted(counts)
     return np.unique(np.repeat(points, counts) * n + particles[which])
+
+
+def _foreign(in_parts: np.ndarray, sets, point, particle) -> np.ndarray:
+    """Find the pairs of a point of one part and a particle in other parts only, numbered as ``_unseen``
+    does."""
+    if not in_parts.size:
+        return np.empty(0, int)
+    # -1 for points of all parts of their anchors
+    part = np.concatenate([
+        np.full(len(own.anchors), -1) if own.parts is None else own.parts for own in sets
+    ])[point]  # fmt: skip
+    foreign = (part >= 0) & ~in_parts[particle, part]
+    return point[foreign] * len(in_parts) + particle[foreign]
 
 
 def _among(keys: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -324,16 +337,16 @@ def _evaluated(cloud, points, coordinates, start, neighbours, hidden) -> PointTa
 
 def _interpolated(cloud: Cloud, points: PointSet) -> np.ndarray:
     """Find the points at or between two particles of interfaces, a mask (n_points,), empty for none."""
-    if not cloud.on_interface.any():
-        return NO_INTERFACE
-    weighted = points.weights != 0.0
-    found = (cloud.on_interface[points.anchors] | ~weighted).all(axis=1)
+    if not cloud.in_parts.size:
+        return np.empty(0, bool)
+    weighted, several = points.weights != 0.0, cloud.in_parts.sum(axis=1) > 1
+    found = (several[points.anchors] | ~weighted).all(axis=1)
     # not those inside a cell whose corners all lie on interfaces
     lowest = np.where(weighted, points.anchors, points.anchors.max(initial=0)).min(axis=1)
     highest = np.where(weighted, points.anchors, 0).max(axis=1)
     between = (points.anchors == lowest[:, None]) | (points.anchors == highest[:, None])
     found &= (between | ~weighted).all(axis=1)
-    return found if found.any() else NO_INTERFACE
+    return found if found.any() else np.empty(0, bool)
 
 
 def _interpolate(points: PointSet, which, start, neighbours, phi) -> None:

@@ -65,13 +65,22 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray, p
     return pairs[~_visible(cells, beyond, particles, start, around, pairs)]
 
 
-def on_interfaces(cells: np.ndarray, parts: np.ndarray, n: int) -> np.ndarray:
-    """Find the particles of cells of several parts, a mask (n,)."""
-    # smallest and largest part of the cells at every particle
-    least, largest = np.full(n, np.inf), np.full(n, -np.inf)
-    np.minimum.at(least, cells, parts[:, None])
-    np.maximum.at(largest, cells, parts[:, None])
-    return least < largest
+def particles_in_parts(cells: np.ndarray, parts: np.ndarray, n: int) -> np.ndarray:
+    """Find the parts of the cells at every particle, a mask (n, number of parts)."""
+    found = np.zeros((n, parts.max() + 1), bool)
+    found[cells, parts[:, None]] = True
+    return found
+
+
+def parts_of_sides(cells: np.ndarray, parts: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Find the last part of the cells at every side (m, 2) between two particles, shape (m,)."""
+    n = cells.max() + 1
+    # a side as one integer
+    ends = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
+    known, which = np.unique(ends @ (n, 1), return_inverse=True)
+    last = np.zeros(known.size, int)
+    np.maximum.at(last, which.ravel(), np.repeat(parts, 4))
+    return last[np.searchsorted(known, np.sort(sides, axis=1) @ (n, 1))]
 
 
 @internal

@@ -58,7 +58,11 @@ class EvaluationPoints:
         halves = 0.5 * np.column_stack([1.0 - share, share])
         weights = np.full(anchors.shape, 0.25)
         weights[: len(share)] = np.column_stack([halves, halves])
-        return PointSet(anchors, weights, 1)
+        parts = None
+        if disc.body.parts is not None:
+            sides = disc.body.side_parts(np.vstack([ends, inner]))
+            parts = np.concatenate([sides, disc.body.parts])
+        return PointSet(anchors, weights, 1, parts=parts)
 
     @cached_property
     def chains(self) -> np.ndarray:

@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from exact_gradients import require_exact
 from scipy.optimize import brentq
+from verification.bodies import Grid
 
 import seal_mdao as sm
 from seal_mdao.materials.isotropic import invariants
+from seal_mdao.plotting.field import fine_grid
+from seal_mdao.seals.evaluation_points import EvaluationPoints
+from seal_mdao.structure.particle_stress import particle_stress
 
 FINITE_ELEMENTS = Path(__file__).parents[1] / "verification/references/bulb_on_block.json"
 BULB = """
@@ -50,6 +54,9 @@ stage = [{ translate = [0, -1], steps = 2 }]
 type = "reaction"
 [[measure]]
 type = "stress_norm"
+[[measure]]
+type = "von_mises"
+excess = 0.5
 """
 """Right half of a foam bulb on a block of rubber."""
 
@@ -120,7 +127,7 @@ def test_parts_see_each_other_at_their_interface_only(tmp_path):
 def test_gradients_are_exact_beside_an_interface(tmp_path, design):
     seal = seal_of(tmp_path, f"{BULB}[[design]]\n{design}\n")
     result = sm.analyze(seal, np.linspace(0.05, -0.05, seal.n_offsets))
-    require_exact(result, ("reaction", "stress_norm"), 1e-4)
+    require_exact(result, ("reaction", "stress_norm", "von_mises"), 1e-4)
 
 
 def stress(law, stretch):
@@ -152,3 +159,92 @@ def test_two_confined_materials_are_solved_exactly(tmp_path, height):
     np.testing.assert_allclose(result.displacement()[:, 0], 0.0, rtol=0.0, atol=1e-9)
     (force,) = result.value(result.measure("reaction"))
     assert abs(force) == pytest.approx(-6.0 * stress(soft, below), rel=1e-9)
+    # stress and volume change everywhere are those of the own material, also on the interface
+    grid = fine_grid(result)
+    own = [von_mises(*both) for both in ((soft, below), (stiff, above(below)))]
+    np.testing.assert_allclose(grid.von_mises(), np.array(own)[grid.region], rtol=1e-9)
+    samples, structure = np.arange(len(seal.body.samples.anchors)), result.term("structure")
+    at_samples = np.array(own)[structure.sample_regions]
+    np.testing.assert_allclose(particle_stress(result.path, samples).value, at_samples, rtol=1e-9)
+    every = EvaluationPoints(result.path)
+    exact = np.array([below, above(below)])
+    parts = np.concatenate([structure.particle_regions, every._between.points.parts])
+    np.testing.assert_allclose(every.volume_change, exact[parts], rtol=1e-9)
+
+
+def von_mises(law, stretch):
+    """Of the deviator of diag(s_1, s_2, s_1), |s_2 - s_1| with s_i = 2 W_T lambda_i^2 / J."""
+    by_t, _ = law.derivatives(*(np.array([own]) for own in invariants(np.diag([1.0, stretch]))))[:2]
+    return abs(2.0 * by_t * (stretch**2 - 1.0) / stretch).item()
+
+
+MESH = """
+[material.soft]
+sponge = "2A2"
+[material.stiff]
+shore_a = 60
+[section]
+material = "soft"
+cloud = "mesh.vtu"
+outer = [
+  {{ edge = "base", line = [[0, 0], [6, 0]]}},
+  {{ edge = "right", line = [[6, 0], [6, 4]]}},
+  {{ edge = "top", line = [[6, 4], [0, 4]]}},
+  {{ edge = "left", line = [[0, 4], [0, 0]]}},
+]
+[[section.region]]
+material = "stiff"
+at = [0.25, 2.25]
+line = {line}
+[fixed]
+edges = ["base"]
+[[moved]]
+edges = ["top"]
+stage = [{{ translate = [0.1, -0.4], steps = 1}}]
+[[measure]]
+type = "reaction"
+edges = ["top"]
+component = "y"
+"""
+"""A block with squares of 0.5 mm as cells, and the parts of its mesh file."""
+
+
+def meshed(tmp_path, line, part_of):
+    """Seal of the block, ``part_of`` the middles (m, 2) of its cells."""
+    meshio = pytest.importorskip("meshio")
+    grid = Grid(12, 8)
+    particles = grid.reference * [6.0, 4.0]
+    parts = part_of(*particles[grid.cells].mean(axis=1).T)
+    points = np.column_stack([particles, np.zeros(len(particles))])
+    meshio.Mesh(points, [("quad", grid.cells)], cell_data={"part": [parts]}).write(
+        tmp_path / "mesh.vtu"
+    )
+    return seal_of(tmp_path, MESH.format(line=line))
+
+
+def test_gauss_points_see_particles_of_their_own_material_only(tmp_path):
+    """Of a tongue of one layer of cells, all corners of which lie on the interface."""
+    line = "[[0, 2], [3, 2], [3, 2.5], [0, 2.5]]"
+    seal = meshed(tmp_path, line, lambda x, y: ((x < 3.0) & (abs(y - 2.25) < 0.1)).astype(int))
+    tongue, gauss = seal.parts == 1, sm.analyze(seal).path.discretization.cells.gauss
+    assert tongue.sum() == 6
+    raw, size, inside = gauss.raw, gauss.raw.group_size, np.unique(seal.body.cells[tongue])
+    for cell in np.flatnonzero(tongue):
+        first, last = raw.start[cell : cell + 2]
+        slopes = raw.grad[2 * size * first : 2 * size * last].reshape(2 * size, -1)
+        assert (slopes[:, np.isin(raw.neighbours[first:last], inside)] != 0.0).any(
+            axis=0
+        ).sum() >= 4
+        assert not slopes[:, ~np.isin(raw.neighbours[first:last], inside)].any()
+
+
+def test_parts_of_one_material_are_one(tmp_path):
+    """The numbers of a mesh file make no interfaces where the material is the same."""
+
+    def seal(other):
+        line = "[[0, 2], [6, 2]]"
+        return meshed(tmp_path, line, lambda x, y: np.where(y > 2.0, 1, other * (x > 3.0)))
+
+    both, one = (sm.analyze(seal(other)) for other in (2, 0))
+    assert np.array_equal(both.displacement(), one.displacement())
+    assert one.value(one.measure("reaction")) == both.value(both.measure("reaction"))

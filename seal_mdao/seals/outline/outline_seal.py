@@ -15,7 +15,7 @@ from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
 from seal_mdao.rkpm.cells import kernel_supports
-from seal_mdao.rkpm.visibility import hidden_pairs, on_interfaces
+from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
 from seal_mdao.seals.outline.design import (
     boundary_velocity,
@@ -221,11 +221,12 @@ def outline_seal(
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    body = _body(filled, kernels, prescribed, edges, model.axisymmetric)
+    of_regions = _regions(filled, regions)
+    body = _body(filled, kernels, prescribed, edges, model.axisymmetric, of_regions)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
-    elastic = ElasticBody(_regions(filled, regions), model.environment)
+    elastic = ElasticBody(of_regions, model.environment)
     terms, moved, section = [elastic], [], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
         made = bind(section)
@@ -324,7 +325,9 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))
 
 
-def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool) -> Body:
+def _body(
+    filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool, regions=()
+) -> Body:  # fmt: skip
     # kernels are chosen for the nominal particles, and stay the same in all designs
     cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
@@ -332,11 +335,15 @@ def _body(filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetri
     if radius is None:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
     # a part of one layer of cells has too few particles for the quadratic basis
-    parts = filled.parts if kernels.basis_order == 1 else np.zeros(len(cells), int)
+    parts = None
+    if len(regions) > 1 and kernels.basis_order == 1:
+        parts = np.empty(len(cells), int)
+        for number, region in enumerate(regions):
+            parts[region.at] = number
     return Body(
         cells, radius, prescribed, edges, nominal=nominal,
         hidden_pairs=hidden_pairs(cells, nominal, radius, parts),
-        on_interface=on_interfaces(cells, parts, len(nominal)),
+        parts=parts,
         support_axes=axes, basis_order=kernels.basis_order, column=kernels.column,
         n_gauss=kernels.n_gauss, axisymmetric=axisymmetric,
     )  # fmt: skip
