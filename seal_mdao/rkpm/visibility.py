@@ -20,12 +20,17 @@ from scipy.spatial import cKDTree
 from seal_mdao.compilation import compiled, internal
 
 # Pairs up to this distance over the support radius are examined: some come closer in other designs.
+# Beside cells that are large against the support, corners of cells that it reaches are farther away.
 MARGIN = 1.5
 
 # Longest accepted way round a corner over the straight distance. Particles beside each other along a
 # curved boundary are 1.03 times apart on its sides (45 degrees of an arc), those on both sides of a
 # right-angled corner up to 1.41 times.
 DETOUR = 1.1
+
+# The ellipse of a pair lies in the disc of this radius, over their distance, about each of both. In a
+# disc without boundary every particle is visible.
+DISC = 0.5 * (1.0 + DETOUR)
 
 
 def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray, parts=None):
@@ -48,21 +53,46 @@ def hidden_pairs(cells: np.ndarray, particles: np.ndarray, radius: np.ndarray, p
         In order.
     """
     beyond = _sides(cells, parts)
-    # an ellipse of pairs within the margin lies in a disc of (1 + kappa) / 2 times their distance; in a
-    # disc without boundary every particle is visible
-    near = 0.5 * (1.0 + DETOUR) * MARGIN * radius
-    near = np.flatnonzero(_boundary_distances(cells, beyond, particles) <= near)
-    candidates = cKDTree(particles).query_ball_point(
-        particles[near], MARGIN * radius[near], return_sorted=True
-    )
-    pairs = np.column_stack([
-        np.repeat(near, [len(own) for own in candidates]),
-        np.concatenate([np.empty(0, int), *candidates]).astype(int),
-    ])  # fmt: skip
+    from_boundary = _boundary_distances(cells, beyond, particles)
+    # a support of radius a reaches into a cell at J, of longest diagonal d, if |X_J - X_I| <= a + d;
+    # where that is beyond the margin, a < 2 d, and so |X_J - X_I| < 3 d
+    diagonal = _longest_diagonals(cells, particles)
+    of_support = _within(particles, MARGIN * radius, from_boundary)
+    of_cell = _within(particles, 3.0 * diagonal, from_boundary)[:, ::-1]
+    reached = radius[of_cell[:, 0]] + diagonal[of_cell[:, 1]]
+    of_cell = of_cell[_apart(particles, of_cell) <= reached]
+    # in order
+    key = np.union1d(*(pairs @ (len(particles), 1) for pairs in (of_support, of_cell)))
+    pairs = np.column_stack(np.divmod(key, len(particles)))
+    pairs = pairs[from_boundary[pairs[:, 0]] <= DISC * _apart(particles, pairs)]
     start, around = _cells_at_particles(cells, len(particles))
     # a particle of no cell is not hidden
     pairs = pairs[(np.diff(start)[pairs] > 0).all(axis=1)]
     return pairs[~_visible(cells, beyond, particles, start, around, pairs)]
+
+
+def _within(particles, reach, from_boundary) -> np.ndarray:
+    """Find pairs (m, 2) of a particle and one within its ``reach`` (n,), near the boundary."""
+    near = np.flatnonzero(from_boundary <= DISC * reach)
+    found = cKDTree(particles).query_ball_point(particles[near], reach[near])
+    return np.column_stack([
+        np.repeat(near, [len(own) for own in found]),
+        np.concatenate([np.empty(0, int), *found]).astype(int),
+    ])  # fmt: skip
+
+
+def _apart(particles: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Compute the distances of pairs (m, 2) of particles, shape (m,)."""
+    return np.hypot(*(particles[pairs[:, 1]] - particles[pairs[:, 0]]).T)
+
+
+def _longest_diagonals(cells: np.ndarray, particles: np.ndarray) -> np.ndarray:
+    """Find the longest distance of two corners of the cells at every particle (n,), zero without."""
+    corners = particles[cells]
+    size = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=3).max(axis=(1, 2))
+    out = np.zeros(len(particles))
+    np.maximum.at(out, cells, size[:, None])
+    return out
 
 
 def particles_in_parts(cells: np.ndarray, parts: np.ndarray, n: int) -> np.ndarray:

@@ -138,12 +138,33 @@ def stress(law, stretch):
     return (2.0 * by_t * stretch + by_j).item()
 
 
+def test_small_cells_beside_large_ones_are_solved_exactly(tmp_path):
+    """Corners of the large cells of the soft part are far outside the supports of the stiff part."""
+    meshio = pytest.importorskip("meshio")
+    levels = np.array([0.0, 1.0, 2.0, *np.linspace(2.2, 4.0, 10)])
+    grid = Grid(12, len(levels) - 1)
+    particles = grid.reference * [6.0, len(levels) - 1]
+    particles[:, 1] = levels[np.rint(particles[:, 1]).astype(int)]
+    parts = (particles[grid.cells].mean(axis=1)[:, 1] > 2.0).astype(int)
+    points = np.column_stack([particles, np.zeros(len(particles))])
+    mesh = meshio.Mesh(points, [("quad", grid.cells)], cell_data={"part": [parts]})
+    mesh.write(tmp_path / "mesh.vtu")
+    text = LAMINATE.format(y=2.0).replace("spacing = 1.0", 'cloud = "mesh.vtu"')
+    result = sm.analyze(seal_of(tmp_path, text))
+    require_uniform(result, 2.0)
+
+
 @pytest.mark.parametrize("height", [2.0, 3.2, 3.8])
 def test_two_confined_materials_are_solved_exactly(tmp_path, height):
     """Each of them is compressed uniformly, so that their stresses are equal; the layer above has two
     layers of cells or one."""
-    seal = seal_of(tmp_path, LAMINATE.format(y=height))
-    result = sm.analyze(seal)
+    result = sm.analyze(seal_of(tmp_path, LAMINATE.format(y=height)))
+    require_uniform(result, height)
+
+
+def require_uniform(result, height):
+    """Both materials with their exact uniform strains and stresses, the interface at this height."""
+    seal = result.seal
     assert result.converged
     soft, stiff = (own.material for own in seal.definitions[0].regions)
 

@@ -140,7 +140,9 @@ def test_interfaces_hide_the_inside_of_either_part_from_the_other():
     found = hidden_pairs(grid.cells, particles, np.full(len(particles), 1.2), parts)
     y = particles[found][..., 1] - 2.0
     assert (y[:, 0] * y[:, 1] < 0.0).all()
-    near = np.hypot(*(particles[:, None] - particles).transpose(2, 0, 1)) <= 1.5 * 1.2
+    # up to the corners of cells that a support reaches
+    reach = max(1.5 * 1.2, 1.2 + np.hypot(0.5, 0.5))
+    near = np.hypot(*(particles[:, None] - particles).transpose(2, 0, 1)) <= reach
     across = (particles[:, None, 1] - 2.0) * (particles[:, 1] - 2.0) < 0.0
     assert len(found) == (near & across).sum()
     assert hidden_pairs(grid.cells, particles, np.full(len(particles), 1.2)).size == 0
