@@ -33,6 +33,8 @@ class Assembly:
         Norm of the residual over that of the largest force.
     rounding : bool
         Whether the residual is a mere rounding error.
+    noise : bool
+        Whether it may be one, with what large displacements add: it is if it no longer decreases.
     """
 
     problem: object
@@ -44,6 +46,7 @@ class Assembly:
     residual: np.ndarray
     size: float
     rounding: bool
+    noise: bool
 
     @property
     def unconverged(self) -> int:

@@ -62,6 +62,13 @@ def converged(assembly: Assembly, options: NewtonOptions) -> bool:
     return (assembly.size <= options.tolerance or assembly.rounding) and not assembly.unconverged
 
 
+def _stagnates(assembly: Assembly, residuals: list) -> bool:
+    """Return whether rounding alone is left of a residual: it may be noise, and an iteration has not
+    halved it."""
+    few = len(residuals) < 2 or residuals[-1] < 0.5 * residuals[-2]
+    return assembly.noise and not few and not assembly.unconverged
+
+
 def _cycle(visited: list) -> int:
     """Return the number of iterations of one cycle where the last displacements are those of a few
     iterations before, so that the next are, too; 0 where they are not.
@@ -114,7 +121,7 @@ def _iterate(increment: Increment, d, iteration, mixed: bool) -> Solution:
         residuals.append(now.size)
         if not np.isfinite(now.size):
             return Solution(Status.DIVERGED, d, tuple(residuals), now)
-        done = converged(now, options)
+        done = converged(now, options) or _stagnates(now, residuals)
         if number == options.max_iterations and not done:
             break
         visited.append(d)

@@ -29,8 +29,10 @@ class PathProblem:
             definition.on(discretization, index) for index, definition in enumerate(definitions)
         )
         # rounding error of a residual: 10 eps times the forces (N/m) that strains, and penetrations
-        # over the size of the body, of order one would give
-        self.rounding = 10 * np.finfo(float).eps * sum(term.rounding for term in self.terms)
+        # over the size of the body, of order one would give; and what displacements add to it
+        unit = 10 * np.finfo(float).eps
+        self.rounding = unit * sum(term.rounding for term in self.terms)
+        self._by_displacement = unit * sum(term.rounding_by_displacement for term in self.terms)
 
     def term(self, label: str):
         """Return the term with that label."""
@@ -118,9 +120,10 @@ class PathProblem:
         if self.imposed is not None:
             prescribed = float(np.linalg.norm(self.forces_on_all(d, fraction, history)))
         residual, size, relative = relative_residual(forces[:, : layout.n_equations], prescribed)
+        noise = self.rounding + self._by_displacement * np.abs(d).max(initial=0.0)
         return Assembly(
             self, d, forces, tuple(responses), values, tuple(term.iteration for term in self.terms),
-            residual, relative, size <= self.rounding,
+            residual, relative, size <= self.rounding, bool(size <= noise),
         )  # fmt: skip
 
     def _begin(self, iteration) -> None:

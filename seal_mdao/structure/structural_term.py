@@ -99,7 +99,10 @@ class StructuralTerm(Term):
         # of a compressible law its own stiffness
         laws = [region.material for region in definition.regions]
         stiffness = max(law.bulk_modulus or law.initial_bulk_modulus for law in laws)
+        # a force K a F' of the rounding error of F: eps where strains are of order one, and eps u / a of
+        # displacements u over the radius a
         self.rounding = float(stiffness * size)
+        self.rounding_by_displacement = float(stiffness * discretization.depth)
 
     def _per_column(self, values, dtype=float, what="bulk moduli") -> np.ndarray:
         """A value of each region spread to the columns of cells, shape (n_columns,).

@@ -130,7 +130,9 @@ class Term:
     label : str
     names : tuple of str
     rounding : float
-        What rounding leaves of its forces, N/m.
+        What rounding leaves of its forces, N/m, over 10 eps.
+    rounding_by_displacement : float
+        What it leaves more for every mm of displacement, N/m over 10 eps.
     history_dependent : bool
         Whether a step depends on the one before.
     passes_all : bool
@@ -149,6 +151,7 @@ class Term:
     label = ""
     names: tuple = ()
     rounding = 0.0
+    rounding_by_displacement = 0.0
     history_dependent = False
     passes_all = False
     conservative = False
