@@ -34,7 +34,7 @@ class Assembly:
     rounding : bool
         Whether the residual is a mere rounding error.
     noise : bool
-        Whether it may be one, with what large displacements add: it is if it no longer decreases.
+        Whether the residual is no larger than the rounding error of large displacements may be.
     """
 
     problem: object

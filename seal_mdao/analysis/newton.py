@@ -63,10 +63,10 @@ def converged(assembly: Assembly, options: NewtonOptions) -> bool:
 
 
 def _stagnates(assembly: Assembly, residuals: list) -> bool:
-    """Return whether rounding alone is left of a residual: it may be noise, and an iteration has not
-    halved it."""
-    few = len(residuals) < 2 or residuals[-1] < 0.5 * residuals[-2]
-    return assembly.noise and not few and not assembly.unconverged
+    """Return whether only rounding is left of a residual: it is no larger than rounding may be, and the
+    last iteration has not halved it."""
+    slow = len(residuals) > 1 and residuals[-1] >= 0.5 * residuals[-2]
+    return slow and assembly.noise and not assembly.unconverged
 
 
 def _cycle(visited: list) -> int:

@@ -29,7 +29,7 @@ class PathProblem:
             definition.on(discretization, index) for index, definition in enumerate(definitions)
         )
         # rounding error of a residual: 10 eps times the forces (N/m) that strains, and penetrations
-        # over the size of the body, of order one would give; and what displacements add to it
+        # over the size of the body, of order one would give, and an increase with displacements
         unit = 10 * np.finfo(float).eps
         self.rounding = unit * sum(term.rounding for term in self.terms)
         self._by_displacement = unit * sum(term.rounding_by_displacement for term in self.terms)

@@ -164,12 +164,9 @@ class Body:
         if self.parts is not None:
             last = np.zeros(self.n_particles, int)
             np.maximum.at(last, self.cells, self.parts[:, None])
-            parts = np.concatenate([last, self.side_parts(sides), self.parts])
+            at_sides = parts_of_sides(self.cells, self.parts, sides)
+            parts = np.concatenate([last, at_sides, self.parts])
         return PointSet(anchors, np.full(anchors.shape, 0.25), 1, parts=parts)
-
-    def side_parts(self, sides: np.ndarray) -> np.ndarray | None:
-        """Find the last part at every side (m, 2) between two particles, shape (m,); None for one."""
-        return None if self.parts is None else parts_of_sides(self.cells, self.parts, sides)
 
     @cached_property
     def _in_parts(self) -> np.ndarray:
@@ -216,14 +213,9 @@ class Body:
         # w = w_g det(dX/d eta) of the Gauss points of every cell
         weights = quadrature_weights(self.cell_map, cloud.particles)
         return build_cell_table(
-            cloud,
-            self.cell_map,
-            self.edge_rule,
-            weights,
-            transformation,
-            self.axisymmetric,
+            cloud, self.cell_map, self.edge_rule, weights, transformation, self.axisymmetric,
             self.parts,
-        )
+        )  # fmt: skip
 
     def cloud(self, particles: np.ndarray) -> Cloud:
         """Combine particles of one design, copied, with the kernels of the body."""
@@ -304,12 +296,13 @@ class Discretization:
         which = np.asarray(which, int)
         key = which.tobytes()
         if key not in self._tables_at:
-            points, every = single_points(which), self.body.samples
+            points = single_points(which)
             if which.max(initial=0) >= self.body.n_particles:
+                every = self.body.samples
                 # beyond the particles: midpoints of sides and centres of cells
                 points = PointSet(every.anchors[which], every.weights[which], 1)
-            if every.parts is not None:
-                points = points._replace(parts=every.parts[which])
+            if self.body.parts is not None:
+                points = points._replace(parts=self.body.samples.parts[which])
             self._tables_at[key] = self.sloped_table(points)
         return self._tables_at[key]
 

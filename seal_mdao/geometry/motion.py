@@ -481,6 +481,11 @@ class Stage:
         """Number of load steps."""
         return len(step_fractions(self.steps))
 
+    @property
+    def moves(self) -> bool:
+        """Whether it translates or rotates."""
+        return any(self.translate) or bool(self.rotate)
+
 
 def step_fractions(steps: int | tuple[float, ...]) -> np.ndarray:
     """Compute the completed fraction at the end of every step, of equal steps or as given."""

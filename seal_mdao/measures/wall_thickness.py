@@ -6,13 +6,12 @@ from math import ceil, log, log1p
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from seal_mdao import values
 from seal_mdao.geometry.polygon import from_sides
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.smooth_peaks import p_norm
+from seal_mdao.rkpm.cells import bodies, joined
 
 DEFICIT = 0.02
 """Default bound on the relative amount by which the smooth minimum is below the smallest thickness."""
@@ -145,20 +144,13 @@ class WallThickness(Measure):
         # closed boundaries are joined by sides, bodies by cells
         every = np.concatenate([edge.sides for edge in body.edges.values()])
         # number of the boundary of every side, number of the body of every particle
-        loop = _joined(every, body.n_particles)[every[:, 0]]
-        around = np.stack([body.cells, np.roll(body.cells, 1, axis=1)], axis=-1).reshape(-1, 2)
-        of_body = _joined(around, body.n_particles)
+        loop = joined(every, body.n_particles)[every[:, 0]]
+        of_body = bodies(body.cells, body.n_particles)
         loops = [every[loop == number] for number in dict.fromkeys(loop.tolist())]
         return [
             pair for pair in combinations(loops, 2)
             if of_body[pair[0][0, 0]] == of_body[pair[1][0, 0]]
         ]  # fmt: skip
-
-
-def _joined(pairs: np.ndarray, count: int) -> np.ndarray:
-    """Number the groups of ``count`` particles that pairs (m, 2) join, shape (count,)."""
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
 
 
 def _every_pair(own: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

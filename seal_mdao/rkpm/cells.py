@@ -8,6 +8,8 @@ is stored as one of four that repeats a corner; both kinds have the same number 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.scatter import scatter_add
@@ -202,6 +204,18 @@ def sides_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         np.sort(pairs, axis=1), axis=0, return_index=True, return_counts=True
     )
     return pairs[first[count == 1]], pairs[first[count > 1]]
+
+
+def joined(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Number the groups of ``count`` particles that pairs (m, 2) join, shape (count,)."""
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def bodies(cells: np.ndarray, count: int) -> np.ndarray:
+    """Number the bodies of ``count`` particles that cells (m, 4) connect, shape (count,)."""
+    sides = np.stack([cells, np.roll(cells, 1, axis=1)], axis=-1).reshape(-1, 2)
+    return joined(sides, count)
 
 
 def cell_map(cells: np.ndarray, n_gauss=2) -> CellMap:

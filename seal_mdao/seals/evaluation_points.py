@@ -9,6 +9,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.rkpm.shape_functions import PointSet
+from seal_mdao.rkpm.visibility import parts_of_sides
 from seal_mdao.structure.particle_stress import deformation_gradients
 from seal_mdao.terms.point_assembly import interpolate
 
@@ -58,10 +59,10 @@ class EvaluationPoints:
         halves = 0.5 * np.column_stack([1.0 - share, share])
         weights = np.full(anchors.shape, 0.25)
         weights[: len(share)] = np.column_stack([halves, halves])
-        parts = None
-        if disc.body.parts is not None:
-            sides = disc.body.side_parts(np.vstack([ends, inner]))
-            parts = np.concatenate([sides, disc.body.parts])
+        parts = disc.body.parts
+        if parts is not None:
+            sides = parts_of_sides(cells, parts, np.vstack([ends, inner]))
+            parts = np.concatenate([sides, parts])
         return PointSet(anchors, weights, 1, parts=parts)
 
     @cached_property

@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
+from seal_mdao.rkpm.cells import bodies
 from seal_mdao.values import place
 
 
@@ -18,7 +17,7 @@ def lost_bodies(path: PathResult) -> Iterator[str]:
     particle. Bodies with a prescribed particle are left out.
     """
     disc = path.discretization
-    of_body = _bodies(disc.body.cells, disc.body.n_particles)
+    of_body = bodies(disc.body.cells, disc.body.n_particles)
     prescribed = disc.body.fixed.any(axis=1)
     size = float(np.ptp(disc.particles, axis=0).max())
     pushed = max(_largest_motion(path), _largest(path, prescribed))
@@ -36,13 +35,6 @@ def lost_bodies(path: PathResult) -> Iterator[str]:
                 "holds it; fix one of its edges ([fixed] with directions), give the profiles that touch "
                 "it friction, or let it touch its supports at the start"
             )
-
-
-def _bodies(cells: np.ndarray, count: int) -> np.ndarray:
-    """Number the bodies of ``count`` particles that cells (m, 4) connect, shape (count,)."""
-    sides = np.stack([cells, np.roll(cells, 1, axis=1)], axis=-1).reshape(-1, 2)
-    graph = coo_array((np.ones(len(sides)), tuple(sides.T)), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
 
 
 def _largest_motion(path: PathResult) -> float:

@@ -130,9 +130,9 @@ class Term:
     label : str
     names : tuple of str
     rounding : float
-        What rounding leaves of its forces, N/m, over 10 eps.
+        Rounding error of its forces over 10 eps, N/m.
     rounding_by_displacement : float
-        What it leaves more for every mm of displacement, N/m over 10 eps.
+        Its increase with the largest displacement, N/m for every mm.
     history_dependent : bool
         Whether a step depends on the one before.
     passes_all : bool

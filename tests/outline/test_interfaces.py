@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exact_gradients import require_exact
+from foam_bulbs import BLOCK, foam_bulb
 from scipy.optimize import brentq
+from two_rubbers import layered_block
 from verification.bodies import Grid
 
 import seal_mdao as sm
@@ -16,40 +18,7 @@ from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.structure.particle_stress import particle_stress
 
 FINITE_ELEMENTS = Path(__file__).parents[1] / "verification/references/bulb_on_block.json"
-BULB = """
-[material.bulb]
-sponge = "2A3"
-[material.block]
-shore_a = 75
-[section]
-material = "bulb"
-spacing = 0.8
-layers = 5
-outer = [
-  { edge = "base", line = [[0, 0], [2.39791576, 0]] },
-  { edge = "side", line = [[2.39791576, 0], [2.39791576, 2.5]] },
-  { edge = "bulb", arc = { start = [2.39791576, 2.5], through = [6, 8], end = [0, 14] } },
-  { edge = "upper", line = [[0, 14], [0, 12.5]] },
-  { edge = "inside", arc = { start = [0, 12.5], through = [4.5, 8], end = [0, 3.5] } },
-  { edge = "lower", line = [[0, 3.5], [0, 2.5], [0, 0]] },
-]
-[[section.region]]
-material = "block"
-at = [1, 1]
-line = [[0, 2.5], [2.39791576, 2.5]]
-[fixed]
-edges = ["base"]
-[[symmetry]]
-edges = ["upper", "lower"]
-normal = "x"
-[[profile]]
-name = "door"
-friction = 0
-normal_penalty = 1e3
-contact = ["bulb"]
-line = [[-30, 0], [30, 0]]
-start = [0, 14]
-stage = [{ translate = [0, -1], steps = 2 }]
+BULB = f"""{foam_bulb(BLOCK, 0.8)}
 [[measure]]
 type = "reaction"
 [[measure]]
@@ -58,42 +27,27 @@ type = "stress_norm"
 type = "von_mises"
 excess = 0.5
 """
-"""Right half of a foam bulb on a block of rubber."""
-
-LAMINATE = """
+FOAMS = """\
 [material.soft]
 sponge = "2A2"
 [material.stiff]
 sponge = "2A5"
-[section]
-material = "soft"
-spacing = 1.0
-outer = [
-  {{ edge = "base", line = [[0, 0], [6, 0]] }},
-  {{ edge = "right", line = [[6, 0], [6, {y}], [6, 4]] }},
-  {{ edge = "top", line = [[6, 4], [0, 4]] }},
-  {{ edge = "left", line = [[0, 4], [0, {y}], [0, 0]] }},
-]
-[[section.region]]
-material = "stiff"
-at = [1.0, 3.9]
-line = [[0, {y}], [6, {y}]]
-[fixed]
-edges = ["base"]
-directions = ["y"]
-[[symmetry]]
-edges = ["left", "right"]
-normal = "x"
+"""
+MOVED_TOP = """\
 [[moved]]
 edges = ["top"]
 directions = ["y"]
-stage = [{{ translate = [0, -0.8], steps = 2 }}]
+stage = [{ translate = [0, -0.8], steps = 2 }]
 [[measure]]
 type = "reaction"
 edges = ["top"]
 component = "y"
 """
-"""A confined block of two foams, W = mu/2 (I1 - 3 - 2 ln J)."""
+
+
+def laminate(height: float) -> str:
+    """A confined block of two foams, W = mu/2 (I1 - 3 - 2 ln J), the stiff one above ``height``, mm."""
+    return FOAMS + layered_block(1.0, height, 3.9) + MOVED_TOP
 
 
 def seal_of(tmp_path, text):
@@ -149,7 +103,7 @@ def test_small_cells_beside_large_ones_are_solved_exactly(tmp_path):
     points = np.column_stack([particles, np.zeros(len(particles))])
     mesh = meshio.Mesh(points, [("quad", grid.cells)], cell_data={"part": [parts]})
     mesh.write(tmp_path / "mesh.vtu")
-    text = LAMINATE.format(y=2.0).replace("spacing = 1.0", 'cloud = "mesh.vtu"')
+    text = laminate(2.0).replace("spacing = 1.0", 'cloud = "mesh.vtu"')
     result = sm.analyze(seal_of(tmp_path, text))
     require_uniform(result, 2.0)
 
@@ -158,7 +112,7 @@ def test_small_cells_beside_large_ones_are_solved_exactly(tmp_path):
 def test_two_confined_materials_are_solved_exactly(tmp_path, height):
     """Each of them is compressed uniformly, so that their stresses are equal; the layer above has two
     layers of cells or one."""
-    result = sm.analyze(seal_of(tmp_path, LAMINATE.format(y=height)))
+    result = sm.analyze(seal_of(tmp_path, laminate(height)))
     require_uniform(result, height)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exact_gradients import require_exact
+from foam_bulbs import CLIP, foam_bulb
 
 import seal_mdao as sm
 from seal_mdao.analysis.load_path import solve_path
@@ -61,42 +62,6 @@ vertex = [5.0, 3.0]
 bound = 0.5
 """
 FINITE_ELEMENTS = Path(__file__).parents[1] / "verification/references/notched_bulb.json"
-BULB = """
-[material.bulb]
-sponge = "2A3"
-[material.clip]
-shore_a = 75
-[section]
-material = "bulb"
-spacing = 0.5
-layers = 5
-outer = [
-  { edge = "clip", line = [[0, 0], [1.5, 0], [1.5, -3], [4, -3], [4, 2.5], [2.39791576, 2.5]] },
-  { edge = "bulb", arc = { start = [2.39791576, 2.5], through = [6, 8], end = [0, 14] } },
-  { edge = "upper", line = [[0, 14], [0, 12.5]] },
-  { edge = "inside", arc = { start = [0, 12.5], through = [4.5, 8], end = [0, 3.5] } },
-  { edge = "lower", line = [[0, 3.5], [0, 2.5], [0, 0]] },
-]
-[[section.region]]
-material = "clip"
-at = [1, 1]
-line = [[0, 2.5], [2.39791576, 2.5]]
-[fixed]
-edges = ["clip"]
-[[symmetry]]
-edges = ["upper", "lower"]
-normal = "x"
-[[profile]]
-name = "door"
-friction = 0
-normal_penalty = 1e3
-contact = ["bulb"]
-line = [[-30, 0], [30, 0]]
-start = [0, 14]
-stage = [{ translate = [0, -1], steps = 2 }]
-"""
-"""Right half of a foam bulb on a clip; the notch between bulb and clip has 24 degrees."""
-
 CLOSING = """
 [material.rubber]
 shore_a = 60
@@ -245,7 +210,7 @@ def test_corners_of_holes_are_notches(tmp_path):
 def test_the_force_on_a_bulb_beside_a_notch_is_that_of_finite_elements(tmp_path):
     """Without small cells at the vertex, and with supports that reach across it, it is 9 % too large."""
     expected = json.loads(FINITE_ELEMENTS.read_text())["force_N_per_m"]
-    seal = sm.build_seal(file_of(tmp_path, BULB))
+    seal = sm.build_seal(file_of(tmp_path, foam_bulb(CLIP, 0.5)))
     result = sm.analyze(seal)
     assert result.converged
     assert 2.0 * result.reaction[-1][1] == pytest.approx(expected, rel=0.02)

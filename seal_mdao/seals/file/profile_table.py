@@ -64,7 +64,7 @@ class Staged:
     @property
     def moves(self) -> bool:
         """Whether a stage translates or rotates it."""
-        return any(any(stage.translate) or stage.rotate for stage in self.stages)
+        return any(stage.moves for stage in self.stages)
 
 
 def made_stage(given, read) -> Stage:

@@ -141,9 +141,7 @@ def dwells(file, number: int) -> bool:
     moving = [own for own in file.moving if own.stages]
     counts = {len(own.stages) for own in moving}
     # all moving parts have as many stages, and none moves in this one
-    still = len(counts) == 1 and not any(
-        any(own.stages[number].translate) or own.stages[number].rotate for own in moving
-    )
+    still = len(counts) == 1 and not any(own.stages[number].moves for own in moving)
     still = still and all(own[number] == own[number + 1] for own in _conditions(file))
     # a fluid grows over its last steps, by default those of the last stage
     ends = np.cumsum([stage.n_steps for stage in file.stages])

@@ -55,15 +55,14 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         if gap > join:
             is_last = closed and j == 1
             # a single edge, such as a polyline that is a complete contour
-            first = (
+            remedy = (
                 "; a line or spline that is a complete contour repeats its first point at its end"
             )
-            remedy = first if one.edge == other.edge else ""
             raise GeometryError(
                 ("the contour is open: " if is_last else "")
                 + f"segment {i} (edge {one.edge!r}) ends at {pair(one.end)}, but the next segment "
                 f"{j} (edge {other.edge!r}) begins at {pair(other.start)}, {gap:.3g} mm away"
-                + (remedy if is_last else "")
+                + (remedy if is_last and one.edge == other.edge else "")
             )
         # angle between the segments at the joint: atan2(|t x b|, t . b) of tangent and reversed tangent
         ahead, back = one.tangents([1.0])[0], -other.tangents([0.0])[0]

@@ -162,8 +162,7 @@ class OutlineSeal(Seal):
     @property
     def parts(self) -> np.ndarray:
         """Index of the material of every cell."""
-        body = self.definitions[0]
-        return body.per_cell(range(len(body.regions)), len(self.body.cells), int)
+        return _parts(self.definitions[0], self.body.cells)
 
 
 def outline_seal(
@@ -221,12 +220,15 @@ def outline_seal(
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    of_regions = _regions(filled, regions)
-    body = _body(filled, kernels, prescribed, edges, model.axisymmetric, of_regions)
+    elastic = ElasticBody(_regions(filled, regions), model.environment)
+    parts = None
+    # a part of one layer of cells has too few particles for the quadratic basis
+    if len(elastic.regions) > 1 and kernels.basis_order == 1:
+        parts = _parts(elastic, filled.cells)
+    body = _body(filled, kernels, prescribed, edges, model.axisymmetric, parts)
     # design velocity V = dX/db: on the boundary by the designs, extended to the inside
     on_boundary, sizes = boundary_velocity(boundaries, designs, supports)
     velocity = extend(filled, on_boundary)
-    elastic = ElasticBody(of_regions, model.environment)
     terms, moved, section = [elastic], [], SectionBody(body, filled.loops, n_steps)
     for bind in contributions:
         made = bind(section)
@@ -325,21 +327,20 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     return tuple(region.on(own) for region, own in zip((rest, *others), cells, strict=True))
 
 
+def _parts(elastic: ElasticBody, cells) -> np.ndarray:
+    """Find the index of the region of every cell."""
+    return elastic.per_cell(range(len(elastic.regions)), len(cells), int)
+
+
 def _body(
-    filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool, regions=()
-) -> Body:  # fmt: skip
+    filled: OutlineCloud, kernels: Kernels, prescribed, edges, axisymmetric: bool, parts=None
+) -> Body:
     # kernels are chosen for the nominal particles, and stay the same in all designs
     cells, nominal = filled.cells, filled.first_indices
     nominal = filled.particles if nominal is None else nominal
     radius, axes = filled.support_radius, filled.support_axes
     if radius is None:
         radius, axes = kernel_supports(cells, nominal, kernels.support)
-    # a part of one layer of cells has too few particles for the quadratic basis
-    parts = None
-    if len(regions) > 1 and kernels.basis_order == 1:
-        parts = np.empty(len(cells), int)
-        for number, region in enumerate(regions):
-            parts[region.at] = number
     return Body(
         cells, radius, prescribed, edges, nominal=nominal,
         hidden_pairs=hidden_pairs(cells, nominal, radius, parts),
