@@ -223,3 +223,17 @@ def test_parts_of_one_material_are_one(tmp_path):
     both, one = (sm.analyze(seal(other)) for other in (2, 0))
     assert np.array_equal(both.displacement(), one.displacement())
     assert one.value(one.measure("reaction")) == both.value(both.measure("reaction"))
+
+
+def test_an_interface_may_end_on_an_arc_in_contact(tmp_path):
+    """Contact points there are means of edges of both materials, bent like the arc. The other rubber is
+    the same, so that the force is that of finite elements."""
+    path = FINITE_ELEMENTS.parent / "half_ring.toml"
+    material, section = path.read_text().split("[section]")
+    other = material[material.index("[material.rubber]") :].replace("rubber", "other")
+    line = [[4.2426406871, 4.2426406871], [3.0405591591, 3.0405591591]]
+    region = f'[[section.region]]\nmaterial = "other"\nat = [5, 1]\nline = {line}\n[fixed]'
+    text = f"{material}{other}[section]{section}".replace("[fixed]", region)
+    result = sm.analyze(seal_of(tmp_path, text))
+    expected = json.loads(path.with_suffix(".json").read_text())["force_N_per_m"][-1]
+    assert abs(result.value("reaction")[0]) == pytest.approx(expected, rel=0.01)
