@@ -134,8 +134,10 @@ class ModelEvaluator:
             # values that are not finite were recorded as no failure by another driver
             with suppress(AnalysisError):
                 # a run without ``restart`` may have other bounds
-                if np.allclose(self.layout.clip(x), x, rtol=0.0, atol=INSIDE):
-                    found.append(self._values_at(self.layout.clip(x)))
+                inside = self.layout.clip(x)
+                if np.allclose(inside, x, rtol=0.0, atol=INSIDE):
+                    found.append(self._values_at(inside))
+                    self._recorded_at.setdefault(inside.tobytes(), case)
         restore_state()
         return found
 
@@ -192,7 +194,7 @@ class ModelEvaluator:
         if self._recorded is None:
             self.load(x)
             return
-        access.set_design(self.driver, x, self.layout.desvars)
+        self._set_design(x)
         # a design that the continued run has taken from its file may stand anywhere in it
         if self._recorded.ends_here():
             self.load(x)
@@ -207,7 +209,7 @@ class ModelEvaluator:
         driver = self.driver
         self._loaded = None
         if not already_set:
-            access.set_design(driver, x, self.layout.desvars)
+            self._set_design(x)
         recorded = self._find_recorded(x)
         if again:
             driver.repeated_case = None
@@ -241,6 +243,12 @@ class ModelEvaluator:
         if isinstance(failure, AnalysisError):
             self._note_failure(x, failure)
         raise failure
+
+    def _set_design(self, x) -> None:
+        access.set_design(self.driver, x, self.layout.desvars)
+        # a recorded design has its recorded bits, which scaling back and forth may change
+        if x.tobytes() in self._recorded_at:
+            self._recorded.load_design(self._recorded_at[x.tobytes()])
 
     def _solve(self, x, recorded: Case | None) -> Evaluation:
         driver = self.driver

@@ -124,8 +124,12 @@ class RecordedEvaluations:
     def load_start(self) -> None:
         """Set the first recorded design in the model."""
         for case in itertools.islice(self._by_design.values(), 1):
-            for name, here in zip(self._sources, self._design(), strict=True):
-                here[:] = case.outputs[name].ravel()
+            self.load_design(case)
+
+    def load_design(self, case: Case) -> None:
+        """Set the recorded design of a case in the model, bit by bit."""
+        for name, here in zip(self._sources, self._design(), strict=True):
+            here[:] = case.outputs[name].ravel()
 
     def check_start(self) -> None:
         """Check that the start, analysed again, is that of the recorded run.
