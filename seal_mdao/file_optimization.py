@@ -175,10 +175,10 @@ def require_problem(file: SealFile, seal: Seal) -> None:
             f"{file.path}: [[design]] is missing; name the edges of the section that may change, "
             'such as edges = ["top"]'
         )
-    for name in measure_names(file):
-        if name in BESIDE:
+    for where, own in file.located_measures:
+        if own.name in BESIDE and own.name in measure_names(file):
             raise SealFileError(
-                f"{file.path}: [[measure]]: name = {name!r} is reserved in an optimisation; give "
+                f"{file.path}: {where}: name = {own.name!r} is reserved in an optimisation; give "
                 "this measure another name"
             )
 

@@ -16,21 +16,19 @@ density = 1100.0
 shore_a = 60
 density = 1300.0
 """
-MEASURES = """
+DESIGN = """
 [[design]]
 edges = ["top"]
 parameters = 4
 bound = 0.2
-[[measure]]
-type = "mass"
 """
 
 
-def built(folder, old="", new=""):
+def built(folder, old="", new="", measured='[[measure]]\ntype = "mass"\n'):
     path = folder / "block.toml"
     block = pressed_block(1.0, start=4.5, travel=-0.6)
     block = block.replace('contact = ["top"]', 'contact = ["top"]\ncontact_points = "particles"')
-    path.write_text((FILE + block + MEASURES).replace(old, new))
+    path.write_text((FILE + block + DESIGN + measured).replace(old, new))
     return sm.build_seal(path)
 
 
@@ -68,6 +66,12 @@ def test_a_rubber_without_a_density_is_named_with_the_cure(tmp_path):
     )
     with pytest.raises(sm.SealFileError, match=words):
         built(tmp_path, "density = 1300.0\n")
+
+
+def test_the_key_of_the_objective_is_named_where_it_lacks_a_density(tmp_path):
+    words = r"seal.toml: \[optimize\]: minimize = 'mass': the material 'stiff' has no density"
+    with pytest.raises(sm.SealFileError, match=words):
+        built(tmp_path, "density = 1300.0\n", measured='[optimize]\nminimize = "mass"\n')
 
 
 def test_a_density_is_positive(tmp_path):

@@ -512,6 +512,12 @@ BAD = {
                        "key 'edge' is missing; it must be a text that is not empty; add a [[measure"),
     "aim needs two": ('"section_area"', '"retained_force"', "[optimize]: minimize = 'retained_force': "
                       "the key stage or time must have two numbers"),
+    "aim of several profiles": ("[[profile]]", OTHER + "[[profile]]",
+                                "[[optimize.constraint]] 1: measure = 'reaction': the key 'profile' is "
+                                "missing; with several profiles it must be one of other, door; add a "
+                                "[[measure]] of this type with its keys"),
+    "aim beside a fluid": ('[optimize]\nminimize = "section_area"', FLUID + '[optimize]\nminimize = "'
+                           'friction_work"', "[optimize]: minimize = 'friction_work': type = 'fricti"),
     "no bounds": (*without("lower = 40.0\nupper = 60.0\n"), "[[optimize.constraint]] 1: a constraint "),
     "bounds the other way": ("lower = 40.0", "lower = 70.0", "lower = 70 is above the upper limit"),
     "bound a text": ("lower = 40.0", 'lower = "40"', "[[optimize.constraint]] 1: lower = '40', but it"),
@@ -551,6 +557,20 @@ def test_what_a_file_cannot_say_is_refused_in_one_line(tmp_path, name, refusing_
     if "not valid TOML" not in words:  # editors see what is wrong in the form, and nothing else
         of_a_form = OF_A_FORM.search(str(caught.value)) is not None and name not in FINER
         assert fits(tomllib.loads(text), SCHEMA, SCHEMA) != of_a_form
+
+
+def test_an_objective_at_a_profile_needs_a_profile(tmp_path):
+    """Without any profile the cure is a profile, not keys of the measure."""
+    moved = '[[moved]]\nedges = ["base"]\n[[moved.stage]]\ntranslate = [0.0, 1.0]\nsteps = 2\n'
+    path = tmp_path / "seal.toml"
+    path.write_text(
+        BULB[: BULB.index("[fixed]")] + moved + '[optimize]\nminimize = "largest_gap"\n'
+    )
+    with pytest.raises(
+        sm.SealFileError,
+        match=r"\[optimize\]: minimize = 'largest_gap': .* or leave out this measure$",
+    ):
+        sm.read_seal_file(path)
 
 
 WRONG = (

@@ -413,6 +413,19 @@ bound = 0.2
 """
 
 
+def test_a_design_as_a_file_is_that_of_the_file_as_it_was_read(tmp_path):
+    """An edit of the file meanwhile does not mix with the design; the tables in memory stay."""
+    path = written(tmp_path, DESIGNS)
+    text = path.read_text()
+    file = sm.read_seal_file(path)
+    seal = sm.build_seal(file)
+    offsets, measures = np.zeros(seal.n_offsets), frozen_measures(seal)
+    best = write_design(file, seal, offsets, measures, tmp_path, "best")[0].read_text()
+    path.write_text(text.replace("friction = ", "friction = 0.0  # "))
+    again = write_design(file, seal, offsets, measures, tmp_path, "best")[0].read_text()
+    assert again == best
+
+
 @pytest.mark.parametrize(
     ("designs", "left", "reason"),
     [

@@ -248,7 +248,16 @@ def test_volume_ratios_contain_the_stretch_across_the_section(tmp_path, given):
             "goes from 0 to 50 degrees Celsius, but .* from 23 to 90",
         ),
         ('"entropic"', "[[50.0, 1.0], [0.0, 0.8]]", "with increasing temperatures"),
-        ('type = "von_mises"', 'type = "friction_work"', "friction_work is not available with"),
+        (
+            'type = "von_mises"',
+            'type = "friction_work"',
+            r"\[\[measure\]\] 3: friction_work is not available with",
+        ),
+        (
+            "[fixed]",
+            '[optimize]\nminimize = "friction_work"\n[fixed]',
+            r"\[optimize\]: minimize = 'friction_work': friction_work is not available with",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(tmp_path, old, new, words):

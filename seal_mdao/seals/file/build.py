@@ -93,14 +93,15 @@ def _with_given_penalties(file: SealFile, seal: OutlineSeal, penalties) -> Outli
 
 def _measures(file: SealFile, seal: OutlineSeal):
     """Make the measures of the file; some refuse their keys, or the seal."""
-    for number, entry in enumerate(file.measures, 1):
+    for where, entry in file.located_measures:
         try:
             measure = measure_of(entry, seal.nominal_particles)
             measure.check(seal)
             yield measure
         except ValueError as error:
-            where = f"{file.path}: [[measure]] {number} ({entry.name!r})"
-            raise SealFileError(f"{where}: {error}") from error
+            # the key that implies a measure contains its name
+            name = "" if entry.name in file.implied else f" ({entry.name!r})"
+            raise SealFileError(f"{file.path}: {where}{name}: {error}") from error
 
 
 def _kernels(section) -> Kernels | None:
@@ -167,7 +168,7 @@ def outline_of(file: SealFile, seal: OutlineSeal, offsets) -> Outline:
 
 def _check_places(file: SealFile, seal: OutlineSeal) -> None:
     """Refuse numbers of particles that do not exist."""
-    for number, measure in enumerate(file.measures, 1):
+    for where, measure in file.located_measures:
         places = measure.arguments.get("places")
         if places is None:
             continue
@@ -180,6 +181,6 @@ def _check_places(file: SealFile, seal: OutlineSeal) -> None:
         most = max(np.max(part) for part in places)
         if most >= count:
             raise SealFileError(
-                f"{file.path}: [[measure]] {number}: places contains the index {most}, but there "
+                f"{file.path}: {where}: places contains the index {most}, but there "
                 f"are only {count} " + what
             )

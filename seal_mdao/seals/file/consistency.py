@@ -283,9 +283,8 @@ def _check_measures(file) -> None:
     """Refuse names that are taken, places without a cloud, and what other tables do not have."""
     # a name is that of an output of OpenMDAO
     names = [measure.name for measure in file.measures]
-    for number, measure in enumerate(file.measures, 1):
-        where = f"[[measure]] {number}"
-        if measure.name in names[: number - 1]:
+    for number, (where, measure) in enumerate(file.located_measures):
+        if measure.name in names[:number]:
             raise SealFileError(
                 f"{where}: name = {measure.name!r}, but an earlier [[measure]] has this name; give "
                 "every measure a different name"
@@ -427,8 +426,9 @@ def _check_contact_points(where: str, profile, file) -> None:
         )
     work = turning_work(profile, file.measures)
     if work is not None:
+        named = next(place for place, own in file.located_measures if own is work)
         raise SealFileError(
-            f"{where} the {work.type} ([[measure]] {file.measures.index(work) + 1}) of a rotating "
+            f"{where} the {work.type} ({named}) of a rotating "
             "profile needs contact points at the particles; leave out contact_points or this measure"
         )
 

@@ -74,10 +74,10 @@ def check_environment(file) -> None:
                 "temperature, swelling or axial_stretch; use another law, or define its methods "
                 "volumetric and volumetric_constants"
             )
-    for number, measure in enumerate(file.measures, 1):
+    for where, measure in file.located_measures:
         if measure.type == "friction_work":
             raise SealFileError(
-                f"[[measure]] {number}: friction_work is not available with temperature, swelling "
+                f"{where}: friction_work is not available with temperature, swelling "
                 "or axial_stretch, because these do work, too; leave out this measure"
             )
 

@@ -3,7 +3,7 @@
 import os
 import re
 import textwrap
-import tomllib
+from copy import deepcopy
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
@@ -102,7 +102,7 @@ def write_design(
     require_writers()
     writer, folder = import_module("tomli_w"), Path(folder)
     paths = [folder / f"{name}.{kind}" for kind in ("toml", "dxf", "vtu")]
-    given = tomllib.loads(file.path.read_text(encoding="utf-8"))
+    given = deepcopy(file.given)
     # parting lines of a drawing stay lines of a drawing, on the first of their layers
     between = given["section"].get("parting", ())[:1]
     lines = _moved_lines(seal, offsets)

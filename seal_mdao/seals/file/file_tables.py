@@ -85,6 +85,10 @@ class SealFile:
         are given.
     penalty_tolerance : float
         Within which the penalties are chosen that the contacts leave open.
+    implied : dict of str to str
+        Where ``[optimize]`` names the measures without a table of their own, by their names.
+    given : dict
+        The tables as they were parsed.
     """
 
     path: Path
@@ -106,6 +110,16 @@ class SealFile:
     tolerance: ToleranceTable | None = None
     model: ModelTable = MODEL
     material_tables: dict[str, MaterialTable] = field(default_factory=dict)
+    implied: dict[str, str] = field(default_factory=dict)
+    given: dict = field(default_factory=dict)
+
+    @property
+    def located_measures(self) -> list[tuple[str, MeasureTable]]:
+        """Every measure with the table or key of the file that names it, for messages."""
+        return [
+            (self.implied.get(own.name, f"[[measure]] {number}"), own)
+            for number, own in enumerate(self.measures, 1)
+        ]
 
     @property
     def axisymmetric(self) -> bool:

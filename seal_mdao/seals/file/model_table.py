@@ -111,10 +111,10 @@ def check_axisymmetric(file) -> None:
                 "strain only; use another law, or define its method volumetric for kinematics = "
                 f'"{AXISYMMETRIC}"'
             )
-    for place, measure in enumerate(file.measures, 1):
+    for where, measure in file.located_measures:
         if getattr(measure, "length", None) is not None:
             raise SealFileError(
-                f'[[measure]] {place}: length needs kinematics = "{PLANE_STRAIN}"; leave out '
+                f'{where}: length needs kinematics = "{PLANE_STRAIN}"; leave out '
                 "length, because the forces of a body of revolution are already in N"
             )
 

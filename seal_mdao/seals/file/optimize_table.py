@@ -7,7 +7,7 @@ from pydantic import TypeAdapter, model_validator
 
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.file.forms import Form, Text, many, number
-from seal_mdao.seals.file.measure_table import MeasureTable
+from seal_mdao.seals.file.measure_table import MeasureTable, OfProfile
 from seal_mdao.seals.file.measure_types import EXTENSIONS, KINDS
 from seal_mdao.seals.file.schema import Table, checked, key, rows, suggestion, table
 
@@ -68,8 +68,13 @@ class OptimizeTable(Table):
     constraints: rows(Constraint) = key("limits on measures", (), alias="constraint")
 
 
-def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> tuple:
-    """Return all measures: those of ``[[measure]]`` and those that the problem names by their type.
+def implied_measures(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> dict:
+    """Return the measures that the problem names by their type, beside those of ``[[measure]]``.
+
+    Returns
+    -------
+    dict of str to MeasureTable
+        By the key that names each, as it stands in messages, such as "[optimize]: minimize = 'mass'".
 
     Raises
     ------
@@ -77,8 +82,17 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
         For a name of no measure; an objective with several values.
     """
     # a measure that is named twice is added once
-    every = list(measures)
-    aim = _implied("[optimize]: minimize", optimize.minimize, every, profiles)
+    every, found = list(measures), {}
+
+    def named(key: str, name: str) -> MeasureTable:
+        where, names = f"{key} = {name!r}", [measure.name for measure in every]
+        if name not in names:
+            found[where] = _implied(where, name, names, profiles)
+            every.append(found[where])
+            return found[where]
+        return every[names.index(name)]
+
+    aim = named("[optimize]: minimize", optimize.minimize)
     if not aim.single:
         raise SealFileError(
             f"[optimize]: minimize = {aim.name!r} (type {aim.type}) has several values; minimise a "
@@ -86,18 +100,15 @@ def with_implied(optimize: OptimizeTable, measures: tuple, profiles: tuple) -> t
         )
     for i, constraint in enumerate(optimize.constraints, 1):
         where = f"[[optimize.constraint]] {i}"
-        own = _implied(f"{where}: measure", constraint.measure, every, profiles)
+        own = named(f"{where}: measure", constraint.measure)
         if own.count is not None:
             constraint.check_size(where, own.count)
-    return tuple(every)
+    return found
 
 
-def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTable:
-    """Find the measure that ``[optimize]`` means by a name; one of its own is added to ``every``."""
-    # a declared measure by its name, else a type of the package or an extension
-    names = [measure.name for measure in every]
-    if name in names:
-        return every[names.index(name)]
+def _implied(where: str, name: str, names: list, profiles: tuple) -> MeasureTable:
+    """Make the measure of a type, beside declared measures with these ``names``."""
+    # a type of the package or an extension
     try:
         kind = EXTENSIONS.found(name) or KINDS.get(name)
     except ValueError as error:
@@ -105,16 +116,19 @@ def _implied(where: str, name: str, every: list, profiles: tuple) -> MeasureTabl
     if kind is None:
         close = suggestion(name, [*names, *KINDS])
         raise SealFileError(
-            f"{where} = {name!r}, but there is no such measure{close}; it must be the name of a "
+            f"{where}, but there is no such measure{close}; it must be the name of a "
             f"[[measure]] ({', '.join(names) or 'the file has none'}), or a type that needs no further "
             "keys, such as section_area or reaction"
         )
+    cure = "; add a [[measure]] of this type with its keys"
     try:
         # the name of a type is enough where its table needs no other key
         own = checked(TypeAdapter(kind), {"type": name})
     except SealFileError as error:
-        raise SealFileError(
-            f"{where} = {name!r}: {error}; add a [[measure]] of this type with its keys"
-        ) from None
-    every.append(own.settled(where.partition(": ")[0], profiles))
-    return every[-1]
+        raise SealFileError(f"{where}: {error}{cure}") from None
+    try:
+        return own.settled(where, profiles)
+    except SealFileError as error:
+        # a file without profiles needs one first
+        lacks_profile = isinstance(own, OfProfile) and not any(map(own.takes, profiles))
+        raise SealFileError(f"{error}{'' if lacks_profile else cure}") from None

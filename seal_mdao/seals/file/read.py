@@ -21,7 +21,7 @@ from seal_mdao.seals.file.consistency import check, turning_work, unsupported_bo
 from seal_mdao.seals.file.described import note_contents
 from seal_mdao.seals.file.file_tables import MOVING, SealFile, Written
 from seal_mdao.seals.file.load_steps import with_steps
-from seal_mdao.seals.file.optimize_table import with_implied
+from seal_mdao.seals.file.optimize_table import implied_measures
 from seal_mdao.seals.file.schema import checked, suggestion
 from seal_mdao.seals.outline.rays import Rays
 from seal_mdao.seals.wall_grid import WALL_SCHEMES
@@ -124,12 +124,12 @@ def _read(given, path) -> SealFile:
     missing += [] if any(name in given for name in MOVING) else [MOVING[0]]
     if missing:
         raise SealFileError(f"{_written(missing[:1])} is missing")
-    file = _decided(checked(TypeAdapter(Written), given), path)
+    file = _decided(checked(TypeAdapter(Written), given), given, path)
     check(file)
     return file
 
 
-def _decided(written: Written, path: Path) -> SealFile:
+def _decided(written: Written, given: dict, path: Path) -> SealFile:
     """Decide what a file leaves to its other tables and files, and to defaults."""
     # labels and steps first: measures refer to profiles and their travels
     _check_profile_names(written.profile)
@@ -140,8 +140,9 @@ def _decided(written: Written, path: Path) -> SealFile:
         for i, own in enumerate(written.measure, 1)
     )
     # a problem may name types of measures that have no table of their own
+    implied = {}
     if written.optimize is not None:
-        measures = with_implied(written.optimize, measures, moving)
+        implied = implied_measures(written.optimize, measures, moving)
     # constants may be fitted to tests, the section may be a drawing: files beside this one
     materials = {
         name: own.made(f"[material.{name}]", path.parent) for name, own in written.material.items()
@@ -149,9 +150,10 @@ def _decided(written: Written, path: Path) -> SealFile:
     section = written.section.read(path.parent, tuple(materials))
     file = SealFile(
         path, materials, section, written.fixed, written.symmetry, profiles, written.design,
-        measures, written.optimize, written.cavity, written.self_contact, written.fluid,
-        step_tolerance, written.penalties.tolerance, written.term, moved, written.tolerance,
-        written.model, written.material,
+        (*measures, *implied.values()), written.optimize, written.cavity, written.self_contact,
+        written.fluid, step_tolerance, written.penalties.tolerance, written.term, moved,
+        written.tolerance, written.model, written.material,
+        {own.name: where for where, own in implied.items()}, given,
     )  # fmt: skip
     file = replace(file, measures=tuple(own.completed(file) for own in file.measures))
     file = replace(file, profiles=_with_contact(file))

@@ -76,10 +76,10 @@ def check_softening(file) -> None:
                 f"{where}: Mullins softening cannot be combined with axial_stretch; leave out "
                 "either"
             )
-    for place, measure in enumerate(file.measures, 1):
+    for where, measure in file.located_measures:
         if softening and measure.type in _WITHOUT_HISTORY:
             raise SealFileError(
-                f"[[measure]] {place}: {measure.type} is not available with softening "
+                f"{where}: {measure.type} is not available with softening "
                 f"([material.{softening[0]}.softening]): {_WITHOUT_HISTORY[measure.type]}; leave "
                 "out this measure"
             )

@@ -192,10 +192,10 @@ def check_relaxation(file) -> None:
             f"[material.{relaxing}.viscoelastic]: viscoelasticity cannot be combined with "
             "axial_stretch; leave out either"
         )
-    for place, measure in enumerate(file.measures, 1):
+    for where, measure in file.located_measures:
         if measure.type in _WITHOUT_TIME:
             raise SealFileError(
-                f"[[measure]] {place}: {measure.type} is not available with relaxation: "
+                f"{where}: {measure.type} is not available with relaxation: "
                 f"{_WITHOUT_TIME[measure.type]}; leave out this measure"
             )
 
