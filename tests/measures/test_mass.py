@@ -69,7 +69,7 @@ def test_a_rubber_without_a_density_is_named_with_the_cure(tmp_path):
 
 
 def test_the_key_of_the_objective_is_named_where_it_lacks_a_density(tmp_path):
-    words = r"seal.toml: \[optimize\]: minimize = 'mass': the material 'stiff' has no density"
+    words = r"block.toml: \[optimize\]: minimize = 'mass': the material 'stiff' has no density"
     with pytest.raises(sm.SealFileError, match=words):
         built(tmp_path, "density = 1300.0\n", measured='[optimize]\nminimize = "mass"\n')
 
