@@ -2,6 +2,9 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
 import seal_mdao as sm
 
 BLOCK = """
@@ -132,3 +135,22 @@ def read(folder, content: str):
 def exact_seal(folder, content: str):
     """The seal of a text, whose equilibrium is found to rounding."""
     return replace(sm.build_seal(read(folder, content)), newton=sm.NewtonOptions(tolerance=1e-12))
+
+
+def require_potentials(result, rng) -> None:
+    """The internal forces of every load step of a material with a history are the derivative of the
+    potential of that step: the error of a difference quotient falls to a quarter with half of its
+    step."""
+    term = result.term("structure")
+    for step in result.path.nominal_steps:
+        response, way = step.responses[term.index], rng.normal(size=step.d.shape)
+        works = term.forces(step.d, step.fraction, response.before) * way
+        errors = []
+        for h in (2e-4, 1e-4):
+            ends = [term.potential(step.d + s * h * way, response) for s in (1, -1)]
+            errors.append((ends[0] - ends[1]) / (2.0 * h) - works.sum())
+        size = np.abs(works).sum()
+        assert abs(errors[0]) <= 2e-5 * size, step.fraction
+        assert errors[1] == pytest.approx(0.25 * errors[0], rel=0.05, abs=1e-9 * size), (
+            step.fraction
+        )

@@ -3,7 +3,18 @@ histories, refusals."""
 
 import numpy as np
 import pytest
-from block_files import DESIGN, FIXED, LID, MOVED, exact_seal, foam, read, text, with_model
+from block_files import (
+    DESIGN,
+    FIXED,
+    LID,
+    MOVED,
+    exact_seal,
+    foam,
+    read,
+    require_potentials,
+    text,
+    with_model,
+)
 from quotients import quotients
 from ring_files import ring
 
@@ -95,6 +106,11 @@ def test_direct_adjoint_and_difference_quotients(case):
             assert np.all(np.abs(one - quotient) <= bound), (at, one, quotient, bound)
             # a quotient that says nothing proves nothing
             assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-2), at
+
+
+def test_forces_are_those_of_the_potential_of_the_step(case, rng):
+    """Also of the ring, whose moduli depend on its temperature."""
+    require_potentials(case[-1], rng)
 
 
 def test_pictures_show_the_stress_of_the_measures(case):

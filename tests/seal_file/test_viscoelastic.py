@@ -2,7 +2,18 @@
 
 import numpy as np
 import pytest
-from block_files import DESIGN, FIXED, LID, MOVED, exact_seal, foam, read, text, with_model
+from block_files import (
+    DESIGN,
+    FIXED,
+    LID,
+    MOVED,
+    exact_seal,
+    foam,
+    read,
+    require_potentials,
+    text,
+    with_model,
+)
 from quotients import quotients
 from ring_files import ring
 from two_rubbers import pressed_block
@@ -125,6 +136,10 @@ def test_direct_and_adjoint_agree(seal, result):
         one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
         assert np.all(np.abs(one).max(axis=1) > 0.0)
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-10 * np.abs(one).max())
+
+
+def test_forces_are_those_of_the_potential_of_the_step(result, rng):
+    require_potentials(result, rng)
 
 
 STEPS = {
