@@ -14,6 +14,7 @@ from block_files import (
     text,
     with_model,
 )
+from energy_bounds import energy_bounds
 from quotients import quotients
 from ring_files import ring
 from two_rubbers import pressed_block
@@ -162,6 +163,16 @@ def test_derivatives_are_those_of_the_path(seal, result, name):
         assert np.all(np.abs(one - quotient) <= bound), measure
         # a quotient that says nothing proves nothing; forces of points that stick know no friction
         assert bound.max() <= 1e-4 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-2), measure
+
+
+def test_relaxation_at_rest_releases_no_energy(tmp_path):
+    """In a dwell the body follows forces f that relaxation changes by df: the potential falls by half of
+    their work df . du, up to third order, so that the bounds are -1/2 and 3/2 of it."""
+    bounds = energy_bounds(analyzed(tmp_path, HELD).path)[3:6]
+    least, most, work = bounds.T
+    assert np.all(work > 0.0)
+    np.testing.assert_allclose(least, -0.5 * work, rtol=2e-3)
+    np.testing.assert_allclose(most, 1.5 * work, rtol=2e-3)
 
 
 def test_every_rubber_has_its_series(tmp_path):
