@@ -6,7 +6,7 @@ On a segment the curve is the quintic with the positions and first and second de
 The derivatives at a point j are those of the polynomial through the points j - 2 ... j + 2 (finite
 differences), so curvature is continuous, and friction does not jump where a point goes from one segment
 to the next; the curve errs by the fourth power of the distance of points. N_b is one at its own point
-and zero at all others: points that face each other hand over their forces completely.
+and zero at all others: points that face each other transfer their forces completely.
 
 A curve through the points overshoots at a bend by more than ``BENT``, and iterations of Newton's method
 go to and fro there. Positions and second derivatives are smoothed at bends, as by quasi-interpolation
@@ -15,7 +15,7 @@ second differences D x at bends,
 
     y = W x,    y'' = x'' + 3 (W - I) x,    W = I - D^T D / 36.
 
-W is symmetric and W 1 = 1, so points that face each other hand over a uniform pressure as it is.
+W is symmetric and W 1 = 1, so points that face each other transfer a uniform pressure unchanged.
 
 At a sharp corner there are two points, each ``BESIDE`` of a side of length h away from it
 (``terms.averaged_points``). The polynomials end at corners, so that straight sides are straight. Between
@@ -27,7 +27,7 @@ which follows the first side t_1 nearly up to the corner, then the second one, t
 
 A boundary is walked with the body on the left, so e_n, e_t turned clockwise, leads out of it. Formulas
 are those of ``contact.kinematics`` with V_c = sum N_b V_(a-2+b): the curve is a profile whose shape
-parameters are the places of its points.
+parameters are the positions of its points.
 """
 
 from typing import NamedTuple

@@ -326,7 +326,7 @@ class SelfContactTerm(CoupledTerm):
         """
         law = self.complete_law
         if self.pair_of is not None:
-            # by the particle where the segment begins, or where it ends in another edge than may touch
+            # of the edge where the segment begins, or where it ends if that edge may not touch
             own, first, last = (self.edge_of[p] for p in (points, nodes[:, 3], nodes[:, 4]))
             pairs = self.pair_of[own, first]
             pairs = np.where(pairs < 0, self.pair_of[own, last], pairs)
@@ -343,11 +343,11 @@ class SelfContactTerm(CoupledTerm):
 
     def respond(self, x, fraction, history) -> CoupledResponse:
         points, nodes, now = self._followed(x)
-        return self._answer(x, points, nodes, now, np.zeros(len(points)), history)[0]
+        return self._evaluate(x, points, nodes, now, np.zeros(len(points)), history)[0]
 
-    def _answer(self, x, points, nodes, now, missed, history):
-        """The response with the law linearised at the gaps g - ``missed`` (m,),
-        q = q(g - missed) + dq/dx missed e_n, and its normal and tangential forces, linearised so."""
+    def _evaluate(self, x, points, nodes, now, missed, history):
+        """Evaluate the response with the law linearised at the gaps g - ``missed`` (m,),
+        q = q(g - missed) + dq/dx missed e_n, and the arguments of ``resultants`` at these gaps."""
         normal, now = now.gap_1[:, :2], now._replace(gap=now.gap - missed)
         before, law = self._before(points, now, history), self.law_at(now.gap, points, nodes)
         # trial state, Eqs. (28), (29)
@@ -376,9 +376,9 @@ class SelfContactTerm(CoupledTerm):
         # linearised as in the tangent of the step; slip has no direction yet
         x, (points, nodes, now) = response.x, self._followed(response.x)
         missed = np.zeros(len(points))
-        _, law = self._answer(x, points, nodes, now, missed, step.before[self.index])
+        _, at_gaps = self._evaluate(x, points, nodes, now, missed, step.before[self.index])
         self._direction[:] = 0
-        self._linearize_at(x, points, nodes, now, missed, law)
+        self._linearize_at(x, points, nodes, now, missed, at_gaps)
 
     def add_mixed(self, d, raw, fraction, history, force, values):
         """The law linearised at the gaps that the last linearisation expects."""
@@ -387,12 +387,12 @@ class SelfContactTerm(CoupledTerm):
         missed = last.missed(x, points, now, self.ring)
         # the forces at x were asked for since
         self._direction[:] = last.direction
-        response, law = self._answer(x, points, nodes, now, missed, history)
-        self._linearize_at(x, points, nodes, now, missed, law)
+        response, at_gaps = self._evaluate(x, points, nodes, now, missed, history)
+        self._linearize_at(x, points, nodes, now, missed, at_gaps)
         return self.assembled(response, force, values)
 
-    def _linearize_at(self, x, points, nodes, now, missed, law):
-        forces, slopes = resultants(*law)
+    def _linearize_at(self, x, points, nodes, now, missed, at_gaps):
+        forces, slopes = resultants(*at_gaps)
         # q(g - missed) + dq/dg missed
         forces += slopes[:, :, 0] * missed[:, None]
         self._linearized = Linearization(

@@ -141,7 +141,7 @@ class Closing:
         motion = self.motion_rates(fraction)
         columns = SHAPE + self.profile.period_rate.size + len(motion)
         local = np.empty((points.size, GAP + 1, columns))
-        # of all that the point could do no more is wanted than its gap
+        # only the derivatives of the gap are used, which do not depend on the state before
         open_before = ContactHistory(np.zeros(k, np.int64), np.ones((k, 3)))
         contact_linearization(
             self.profile, self.curve, self.law, self.pose(fraction), motion, x, np.ones(k),

@@ -23,7 +23,7 @@ from seal_mdao.compilation import compiled, internal
 # Beside cells that are large against the support, corners of cells that it reaches are farther away.
 MARGIN = 1.5
 
-# Longest accepted way round a corner over the straight distance. Particles beside each other along a
+# Longest accepted path round a corner over the straight distance. Particles beside each other along a
 # curved boundary are 1.03 times apart on its sides (45 degrees of an arc), those on both sides of a
 # right-angled corner up to 1.41 times.
 DETOUR = 1.1
@@ -119,10 +119,10 @@ def _detour(ax, ay, bx, by, fx, fy, gx, gy):
     dx, dy = bx - ax, by - ay
     length = np.hypot(dx, dy)
     tx, ty = dx / length, dy / length
-    # distances from the line of the side, and places along it
+    # distances d from the line of the side, and positions s along it
     df, dg = abs(tx * (fy - ay) - ty * (fx - ax)), abs(tx * (gy - ay) - ty * (gx - ax))
     sf, sg = tx * (fx - ax) + ty * (fy - ay), tx * (gx - ax) + ty * (gy - ay)
-    # equal angles with the side, where f and g lie on both sides of it on the straight line between them
+    # s = (s_f d_g + s_g d_f) / (d_f + d_g): the path over x has equal angles with the side
     s = sf if df + dg == 0.0 else (sf * dg + sg * df) / (df + dg)
     # the sum is convex along the side
     s = min(max(s, 0.0), length)

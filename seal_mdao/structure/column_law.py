@@ -1,17 +1,17 @@
 """Linearisation L of the internal force in a column of cells: moduli and projected pressure, Eq. (44).
 
-With the displacement gradient in F = 1 + B d at the quadrature points q, weights w, and the projected
-pressure p = K sum_h N_h s_h of ``pressure``,
+With F = 1 + B d at the quadrature points q, weights w, and the projected pressure p of ``deformation``,
 
-    P = 2 W_T F + (W_J + p) cof F,    s_h = sum_q N_h w (det F - 1) / V_h.
+    P = 2 W_T F + (W_J + p) cof F,    p = K sum_h N_h s_h,    s_h = sum_q N_h w (J - 1 + c) / V_h.
 
 L = d(w P)/dF is a block of the column: the moduli A = dP/dF of every point, and what the pressure
 adds, of rank m. Both are symmetric, so that one product with strains e serves a tangent (e = B u), the
 rates of the direct method (e = B' d) and the seeds of the adjoint method (e = -B lambda): see
 ``force_products``.
 
-In a body of revolution the strains e have a fifth component, that of h, in a third row of every point
-of which only the first component counts; cof F becomes (h cof F, det F), the derivatives of J.
+In plane strain J = det F. In a body of revolution the strains e have a fifth component, that of h, in a
+third row of every point of which only the first component counts; cof F becomes (h cof F, det F), the
+derivatives of J = h det F.
 """
 
 from typing import NamedTuple
@@ -71,7 +71,7 @@ class ColumnLaw(NamedTuple):
     Attributes
     ----------
     values : ndarray, shape (q, rows, S)
-        P, w cof F, w A, F and J - 1 of every point, at the rows of ``LawRows``.
+        P, w cof F, w A, F and J - 1 + c of every point, at the rows of ``LawRows``.
     volume_strain : ndarray, shape (m, S)
         s_h.
     mean, functions : ndarray, shape (m, q)
@@ -97,8 +97,8 @@ class ColumnLaw(NamedTuple):
 
 
 class LawRows(NamedTuple):
-    """First rows in ``ColumnLaw.values`` of P, w cof F, w A, F, J - 1 with so many ``strains``, 4 or 5,
-    and the number of all rows."""
+    """First rows in ``ColumnLaw.values`` of P, w cof F, w A, F, J - 1 + c with so many ``strains``, 4
+    or 5, and the number of all rows."""
 
     strains: int
     stress: int
@@ -112,7 +112,7 @@ class LawRows(NamedTuple):
 @inlined
 def law_rows(strains):
     """``LawRows`` of 4 strains, or of 5 in a body of revolution."""
-    # P, w cof F: one row a strain;  w A: one a pair;  F;  J - 1
+    # P, w cof F: one row a strain;  w A: one a pair;  F;  J - 1 + c
     moduli, gradient = 2 * strains, 2 * strains + strains * strains
     return LawRows(
         strains, 0, strains, moduli, gradient, gradient + strains, gradient + strains + 1
@@ -160,7 +160,7 @@ def linearize_column(states, column, step_of, law):
                 for row in range(at.count):
                     values[row, s] = values[row, s - 1]
                 continue
-            # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
+            # the pressure acts with W_J: P = 2 W_T F + (W_J + K sum_h N_h s_h) h cof F
             f, w_t = states.deformation.f[k, column, q], w[0, k, column, q]
             volume_strain = states.deformation.volume_strain[k, column]
             w_j = w[1, k, column, q] + law.bulk[s] * at_point(functions, q, volume_strain)
@@ -208,7 +208,7 @@ def linearize_column(states, column, step_of, law):
 def product(law, weights, strain, weight_rate, p, out):
     """Compute L (e, w') of one column: (w P)' = w A : e + w p' cof F + w' P, with
 
-    s_h' = sum_q N_h (w cof F : e + w' (det F - 1 - s_h)) / V_h,    p' = K sum_h N_h s_h'.
+    s_h' = sum_q N_h (w cof F : e + w' (J - 1 + c - s_h)) / V_h,    p' = K sum_h N_h s_h'.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def product(law, weights, strain, weight_rate, p, out):
 def contract(values, row, strains, strain, first, p, out):
     """Contract ``strains`` rows of ``values``, from ``row`` on, with the strains of a point, whose rows
     of ``strain`` begin at ``first``."""
-    # a_11 e_11 + a_12 e_12 + a_21 e_21 + a_22 e_22
+    # a : e = a_11 e_11 + a_12 e_12 + a_21 e_21 + a_22 e_22
     a0, a1, a2, a3 = values[row], values[row + 1], values[row + 2], values[row + 3]
     e0, e1 = strain[first, p, 0], strain[first + 1, p, 0]
     e2, e3 = strain[first, p, 1], strain[first + 1, p, 1]
@@ -274,7 +274,7 @@ def contract(values, row, strains, strain, first, p, out):
 
 @internal
 def _add_volume_strain_rate(mean, on_cof, weight_rate, change, volume_strain, out):
-    """s_h' += N_h / V_h (w cof F : e + w' (det F - 1 - s_h)), over all states."""
+    """s_h' += N_h / V_h (w cof F : e + w' (J - 1 + c - s_h)), over all states."""
     for s in range(out.size):
         out[s] += mean * (on_cof[s] + weight_rate * (change[s] - volume_strain[s]))
 

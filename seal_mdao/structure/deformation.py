@@ -1,12 +1,12 @@
 """Deformation gradients at the quadrature points, and the volume change projected for the pressure.
 
-Pressure projection in the energy: det F - 1 is averaged over each column of background cells with the
-functions N_h of ``pressure``,
+Pressure projection in the energy: J - 1 + c is averaged over each column of background cells with the
+functions N_h of ``pressure_functions``,
 
-    W = sum_q w_q W(F_q) + sum_h K/2 V_h s_h^2,   s_h = sum_q N_h w_q (det F_q - 1) / V_h.
+    E = sum_q w W(F) + sum_h K/2 V_h s_h^2,   s_h = sum_q N_h w (J - 1 + c) / V_h,   V_h = sum_q N_h w,
 
-In a body of revolution det F is that of the three-dimensional F: J = h det F with the hoop stretch h of
-the third strain row (``rkpm.axisymmetry``) and the in-plane F.
+where -c is the volume change that costs no energy. In plane strain J = det F; in a body of revolution
+J = h det F with the hoop stretch h of the third strain row (``rkpm.axisymmetry``) and the in-plane F.
 """
 
 from typing import NamedTuple
@@ -27,7 +27,7 @@ class Deformation(NamedTuple):
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
     volume_strain : ndarray, shape (K, n_columns, m)
-        s_h, projected J - 1 + c.
+        s_h.
     fractions : ndarray, shape (K,)
         Path parameters of the fields.
     offset : ndarray, shape (K, n_columns)
@@ -65,10 +65,10 @@ def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
 
 @inlined
 def _volume_strain(functions, h, weights, column, f):
-    """s_h = sum_q N_h w (det F - 1) / V_h of one column."""
+    """s_h - c = sum_q N_h w (J - 1) / V_h of one column."""
     volume, change = 0.0, 0.0
     for q in range(len(f)):
-        # V_h += N_h w,  V_h s_h += N_h w (det F - 1)
+        # V_h += N_h w,  V_h (s_h - c) += N_h w (J - 1)
         weighted = functions[h, q] * weights[column, q]
         volume += weighted
         change += weighted * f[q, 4]

@@ -4,11 +4,11 @@ Each has L of ``column_law``, the linearisation of w P in a column of cells, bet
 
     rates     e = B' d
               (w P)' = w L e + w' P + w p' cof F,    p' = K sum_h N_h s_h'
-              s_h' = sum_q N_h (w cof F : e + w' (det F - 1 - s_h)) / V_h
+              s_h' = sum_q N_h (w cof F : e + w' (J - 1 + c - s_h)) / V_h
               f' = B^T (w P)' + B'^T w P                                          Eq. (46)
     seeds     e = -B lambda
               B_bar = w P e^T + w (L e) d^T
-              w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h
+              w_bar = P : e + sum_h K N_h (J - 1 + c - s_h) s_h',    s_h' at w' = 0
     tangent   e = B u,    K u = B^T w L e                                         Eq. (44)
 
 In a body of revolution B has the hoop row Phi / R and e the strain of h (``column_law``).
@@ -142,12 +142,12 @@ def _outer(stress, lam, dual, d, out):
 
 @internal
 def _weight_seeds(law, at, strain, q, out):
-    """Compute w_bar = P : e + sum_h N_h (det F - 1 - s_h) p_h, p_h = K s_h', at point ``q``."""
+    """Compute w_bar = P : e + sum_h K N_h (J - 1 + c - s_h) s_h' at point ``q``."""
     change, first = law.values[q, at.change], q * (len(strain) // len(law.values))
     contract(law.values[q], at.stress, at.strains, strain, first, 0, out)
     for h in range(len(law.functions)):
         for s in range(out.size):
-            # K N_h (e - s_h) s_h'
+            # K N_h (J - 1 + c - s_h) s_h'
             bulk, beyond = law.bulk[s] * law.functions[h, q], change[s] - law.volume_strain[h, s]
             out[s] += bulk * beyond * law.volume_strain_rate[h, s]
 

@@ -166,7 +166,7 @@ def _scatter_tangent(grad, c, hoop, g, buffer, slots, values):
 
     The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
     one triangle only is slower, for the scatter then strides. The last term is the projected
-    pressure's, with g_h = sqrt(K / V_h) sum_q N_h w cof B.
+    pressure's, with g_h = sqrt(K / V_h) sum_q N_h w J_F B.
     """
     n = grad.shape[2]
     row = buffer[: 2 * n]
@@ -235,7 +235,7 @@ def assemble_internal(
                 g[h, i] = 0.0
         for q in range(q_count):
             f, weight, b = deformation.f[k, column, q], weights[column, q], grad[q]
-            # P = 2 W_T F + (W_J + K sum_h N_h s_h) cof F
+            # P = 2 W_T F + (W_J + K sum_h N_h s_h) h cof F
             pressure = bulk[column] * at_point(functions, q, volume_strain)
             w_t, w_j = w[0, column, q], w[1, column, q] + pressure
             p = piola_stress(f, w_t, w_j)
@@ -284,7 +284,7 @@ def assemble_internal(
             force[scatter.equations[near[i], 1]] += local[n + i]
         if values.size:
             for h in range(len(functions)):
-                # K_p = sum_h K/V_h (sum_q N_h w cof F B)^T (...)
+                # sqrt(K / V_h) g_h: K_p = sum_h K / V_h g_h g_h^T,  g_h = sum_q N_h w J_F B
                 root = math.sqrt(bulk[column] / volume_of(functions[h], weights[column]))
                 for i in range(2 * n):
                     g[h, i] *= root

@@ -1,12 +1,12 @@
 """Linearisation of a body with a history at one converged step: common base of relaxation and
 softening.
 
-A history law has a stress at the quadrature points that depends on the history, and passes a history on
-that depends on F = 1 + B d:
+A history law has a stress at the quadrature points that depends on the history y, and passes a history
+y+ to the next step that depends on F = 1 + B d:
 
-    direct     (w P)' += w P_h h' + ...,    h+' = h+_F : F' + h+_h h' + h+_c c',    F' = B' d + B d'
-    adjoint    F_bar = h+_F h+_bar,    K^T lambda = ... + B^T F_bar,    B_bar = F_bar d^T
-               h_bar = h+_h h+_bar + w P_h : e,    e = -B lambda
+    direct     (w P)' += w P_y y' + ...,    y+' = y+_F : F' + y+_y y' + y+_c c',    F' = B' d + B d'
+    adjoint    F_bar = y+_F y+_bar,    K^T lambda = ... + B^T F_bar,    B_bar = F_bar d^T
+               y_bar = y+_y y+_bar + w P_y : e,    e = -B lambda
 
 What the law within the step does is in K and in the block of all steps.
 """

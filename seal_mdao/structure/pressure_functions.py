@@ -1,7 +1,7 @@
 """Functions that the volume change is projected on: the space of the pressure.
 
-With the volume change e = det F - 1 at the quadrature points q of a column of cells, weights w and m
-functions N_h whose sum is one,
+With the volume change e = J - 1 + c of ``deformation`` at the quadrature points q of a column of cells,
+weights w and m functions N_h whose sum is one,
 
     V_h = sum_q N_h w,    s_h = sum_q N_h w e / V_h,    p_q = K sum_h N_h(q) s_h,
 

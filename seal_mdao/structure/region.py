@@ -16,7 +16,7 @@ class Region(NamedTuple):
     ----------
     material : Isotropic
     cells : ndarray of int, or None
-        Places of the cells; None for all of them.
+        Indices of the cells; None for all of them.
     prefix : str
         Put before the names of the material's constants.
     growth : Growth

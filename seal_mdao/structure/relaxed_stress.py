@@ -172,13 +172,13 @@ def _of_cauchy(f: np.ndarray, total: np.ndarray):
     on_total[:, 0], on_total[:, 1] = (f11 * m11 + f21 * m21) / j, (f12 * m12 + f22 * m22) / j
     on_total[:, 2] = (f11 * m12 + f21 * m22 + f12 * m11 + f22 * m21) / j
     on_total[:, 3] = on_zz * h * h / j
-    # in F: 2 (.) F S / J, and -sigma : (.) J' / J, which is zero up to the factor of sigma_vm itself
+    # in F: 2 (.) F S / J - sigma : (.) J_F / J
     on_f = np.empty((len(f), 5))
     on_f[:, 0], on_f[:, 1] = on_xx * p11 + on_xy * p21, on_xx * p12 + on_xy * p22
     on_f[:, 2], on_f[:, 3] = on_xy * p11 + on_yy * p21, on_xy * p12 + on_yy * p22
     on_f[:, 4] = on_zz * across
     on_f *= 2.0 / j[:, None]
-    # sigma_vm is of the first order in sigma: sigma : (.) = sigma_vm; J' = J F^-T : F', J h' / h
+    # sigma : (.) = sigma_vm, which is of degree one in sigma;  J_F / J = F^-T and 1 / h
     det = f11 * f22 - f12 * f21
     inverse = np.stack([f22 / det, -f21 / det, -f12 / det, f11 / det, 1.0 / h], axis=1)
     return value, on_f - value[:, None] * inverse, on_total

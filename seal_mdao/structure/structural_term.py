@@ -302,13 +302,11 @@ class StructuralTerm(Term):
 
     def pressure(self, deformation: Deformation) -> np.ndarray:
         """K* sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
-        # p = K* sum_h N_h s_h
         bulk = self.bulk_at(deformation.fractions)
         return bulk[..., None] * (deformation.volume_strain @ self.functions)
 
     def squared_volume_strain(self, deformation: Deformation) -> np.ndarray:
         """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
-        # sum_h N_h s_h^2
         return deformation.volume_strain[0] ** 2 @ self.functions
 
     # ---- stress at points ----
@@ -376,7 +374,7 @@ class StructuralTerm(Term):
         increment = no_deformation(1, self.cells, len(functions))
         if deform(table, weights, functions, du, increment) >= 0:
             return np.zeros(self.deformation.volume_strain.shape[1:])
-        f, now = increment.f[0], self.deformation.f[0]
+        f, own = increment.f[0], self.deformation.f[0]
         change, around = f[..., 4], increment.hoop is not None
         if around:
             # J - 1 of the increment = (det(1 + G) - 1) (1 + g) + g
@@ -386,9 +384,8 @@ class StructuralTerm(Term):
         beyond = change - (f[..., 0] - 1.0) - (f[..., 3] - 1.0)
         if around:
             # of J = h det F, h = h0 + g: h0 det G + g (det(F0 + G) - det F0)
-            now, before = now[..., :4], now[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
-            grown = plane_jacobian(np.moveaxis(now, -1, 0))
-            grown -= plane_jacobian(np.moveaxis(before, -1, 0))
+            ends = own[..., :4], own[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
+            grown = np.subtract(*(plane_jacobian(np.moveaxis(end, -1, 0)) for end in ends))
             beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
         # sum_q N_h w det G / V_h
         return (weights * beyond) @ functions.T / (weights @ functions.T)
@@ -457,10 +454,10 @@ class StructuralTerm(Term):
     def released_energy(self, step, before, d, response, target):
         if self.material_history is None:
             return super().released_energy(step, before, d, response, target)
-        # of the potential of this step, in which what was dissipated before is no energy any more
+        # the potential of the step does not contain what earlier steps dissipated
         released = self.potential(step.d, response) - self.potential(d, response)
-        # relaxation, heat and swelling drive the body with forces f at rest, whose work is no released
-        # energy
+        # relaxation, heat and swelling change the forces at fixed displacements; the work of this change
+        # is not released energy
         driving = self.discretization.transformation.coefficients(d - step.d)
         equations = self.discretization.layout.scatter[0].equations
         changes = self.changes(step, before, target)
