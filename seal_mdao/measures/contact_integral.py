@@ -56,9 +56,6 @@ class PressureIntegral(Measure):
         on_deformed = np.zeros_like(deformed)
         where.add_length_seeds(deformed, power[:, None], on_deformed[:, :, None])
         add_deformed_seeds(partials, 0, on_deformed)
-        # p is proportional to w_n:  dI/dw_n = sum_i p_i dI/dp_i / w_n
-        by_penalty = on_pressure @ points.value / points.penalty
-        partials.parameter(points.term.names[0])[0] += by_penalty
         return length @ power
 
 
@@ -118,8 +115,7 @@ class PressureCentre(Measure):
         peak = points.value.max()
         if peak == 0.0:
             return np.nan
-        # c = sum_i r_i^n l_i x_i / sum_i r_i^n l_i,  r = p / p_max: a constant factor has no effect, so
-        # dc/dw_n = 0 at constant gaps
+        # c = sum_i r_i^n l_i x_i / sum_i r_i^n l_i,  r = p / p_max, where a constant factor has no effect
         n, ratio, length = self.exponent, points.value / peak, where.lengths(deformed)
         row = AXES.index(self.axis)
         x, power = where.points.at(deformed)[:, row], ratio**n

@@ -154,8 +154,6 @@ class ContactPressure(Measure):
             # one Lehmer mean per patch, with derivatives in the pressures of its points only
             values[row], on_pressure[own] = lehmer_mean(points.value[own], self.order)
             points.add_partials(partials, row, on_pressure)
-        # the mean is homogeneous of degree 1 in the pressures p = w_n (...):  dm/dw_n = m / w_n
-        partials.parameter(points.term.names[0])[:] += values / points.penalty
         return values
 
 
@@ -178,10 +176,13 @@ class PointPressures:
         self.value = self.value * self.ratio
 
     def add_partials(self, partials, row: int, on_pressure) -> None:
-        """Add partial derivatives in gaps and lengths of a function with derivatives ``on_pressure``."""
+        """Add partial derivatives in gaps, lengths and the normal penalty of a function with derivatives
+        ``on_pressure`` (k,)."""
         on_gap = partials.output(self.profile, "gap")
-        # dp/dg = -w_n L / l in contact
+        # dp/dg = -w_n L / l in contact,  dp/dw_n = p / w_n
         on_gap[row] -= self.penalty * on_pressure * self.ratio * (self.gap < 0.0)
+        on_penalty = partials.parameter(self.term.names[0])
+        on_penalty[row] += on_pressure @ self.value / self.penalty
         if self.nominal:
             return
         # dp/dL = p / L,  dp/dl = -p / l

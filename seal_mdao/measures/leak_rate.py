@@ -161,7 +161,7 @@ class _Leak:
         fraction = resistance / resistance.sum()
         # u_i = u(p_i / E_i):  p dQ/dp = -E dQ/dE = 3 Q f_i (p / E) u' / u
         by_log = 3.0 * rate * fraction * (pressure / modulus) * slope / height
-        self._add_pressures(partials, by_log / pressure)
+        self.points.add_partials(partials, 0, self._every(by_log / pressure))
         self._add_slits(partials, -rate * fraction / length)
         self._add_moduli(partials, -by_log / modulus)
         # u = rms f(p / (E rms)):  rms dQ/drms = 3 Q - sum_i p_i dQ/dp_i
@@ -178,13 +178,6 @@ class _Leak:
         out = np.zeros(len(self.where))
         out[self.pressed] = at_pressed
         return out
-
-    def _add_pressures(self, partials, by_pressure) -> None:
-        on_pressure, points = self._every(by_pressure), self.points
-        points.add_partials(partials, 0, on_pressure)
-        # p = w_n (...):  dp/dw_n = p / w_n
-        by_penalty = on_pressure @ points.value / points.penalty
-        partials.parameter(points.term.names[0])[0] += by_penalty
 
     def _slits(self) -> np.ndarray:
         """Length of the slit at every contact point, mm, of a ring over its width in m, shape (k,).

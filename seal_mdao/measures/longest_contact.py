@@ -64,9 +64,6 @@ class LongestContact(Measure):
         np.add.at(on_pressure, order[:-1], length * by_first)
         np.add.at(on_pressure, order[1:], length * by_second)
         points.add_partials(partials, 0, on_pressure)
-        # p is proportional to w_n:  dl/dw_n = sum_i p_i dl/dp_i / w_n
-        by_penalty = on_pressure @ points.value / points.penalty
-        partials.parameter(points.term.names[0])[0] += by_penalty
         return total
 
 
