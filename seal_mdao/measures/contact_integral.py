@@ -115,7 +115,7 @@ class PressureCentre(Measure):
         peak = points.value.max()
         if peak == 0.0:
             return np.nan
-        # c = sum_i r_i^n l_i x_i / sum_i r_i^n l_i,  r = p / p_max, where a constant factor has no effect
+        # c = sum_i r_i^n l_i x_i / sum_i r_i^n l_i,  r = p / p_max: a constant factor has no effect
         n, ratio, length = self.exponent, points.value / peak, where.lengths(deformed)
         row = AXES.index(self.axis)
         x, power = where.points.at(deformed)[:, row], ratio**n
