@@ -213,6 +213,21 @@ def test_inverted_point_has_no_answer(rng):
     assert term.forces(d, 0.0) is None
 
 
+def test_a_ring_turned_through_its_axis_has_no_answer(rng):
+    """Mirrored at the axis it has the volumes J = 1 of the undeformed ring, with h = det F = -1."""
+    disc = square(rng, fixed="nothing", inner=0.4)
+    d = np.column_stack([-2.0 * disc.particles[:, 0], 0.0 * disc.particles[:, 1]])
+    term = structure(disc)
+    f = term.deformation_of(d[None], [0.0]).f[0]
+    np.testing.assert_allclose(
+        f[..., [0, 4, 5]],
+        np.broadcast_to([-1.0, 0.0, -1.0], (*f.shape[:2], 3)),
+        rtol=0.0,
+        atol=1e-9,
+    )
+    assert term.forces(d, 0.0) is None
+
+
 def test_particles_must_fit_the_body(rng):
     disc = square(rng)
     with pytest.raises(ValueError, match="shape"):
