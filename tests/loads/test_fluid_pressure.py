@@ -169,6 +169,18 @@ def test_the_tangent_is_the_derivative_of_the_residual(pressed, rng, step):
     np.testing.assert_allclose(factor.solve(found), way, rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("number", [4, 5, 6])
+def test_the_change_with_the_pressure_is_that_of_the_residual(pressed, number):
+    """What the predictor takes for a higher pressure: the front moves, too."""
+    term, step = pressed.term("fluid"), pressed.path.nominal_steps[number]
+    response, h = step.responses[pressed.path.index_of("fluid")], 1e-4
+    (change,) = term.changes(step, response, step.fraction + h)
+    ends = [term.respond(response.x, step.fraction + s * h, None).force for s in (1, -1)]
+    quotient = term.point_loads(0.5 * (ends[0] - ends[1]), np.ones(len(response.x), np.int64))
+    np.testing.assert_allclose(change, quotient, rtol=0.0, atol=1e-5 * np.abs(quotient).max())
+    assert term.changes(step, response, step.fraction) == []
+
+
 def test_a_point_of_the_front_is_partly_wetted(pressed):
     """So the tests of tangent and derivatives see the weights change."""
     weight = pressed.response("fluid").outputs[:, 0]
