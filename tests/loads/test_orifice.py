@@ -1,9 +1,11 @@
 """Flow through an orifice: derivatives, choking, the incompressible limit."""
 
+from decimal import Decimal, localcontext
+
 import numpy as np
 import pytest
 
-from seal_mdao.loads.orifice import CHOKED, RATIO, SMOOTH, orifice_flow
+from seal_mdao.loads.orifice import CHOKED, RATIO, SMALL, SMOOTH, _expansion, orifice_flow
 
 PLACES, WEIGHTS = np.array([-2, -1, 1, 2]), np.array([1, -8, 8, -1]) / 12.0
 
@@ -18,6 +20,22 @@ def test_derivatives_against_central_differences(y, gamma):
     h = 1e-3
     slope = WEIGHTS @ [orifice_flow(y, gamma + k * h).value for k in PLACES] / h
     assert slope == pytest.approx(flow.by_gamma, rel=1e-9)
+
+
+@pytest.mark.parametrize("part", [1e-3, 0.1, 0.99, 1.01, 100.0])
+def test_the_expansion_has_all_digits_on_both_sides_of_the_series(part):
+    """psi(z) / z = exp(-2 z / k) (1 - exp(-b z)) / (b z), b = (k - 1) / k, and the derivative of its
+    logarithm, with 50 digits."""
+    size = part * SMALL * RATIO / (RATIO - 1.0)
+    with localcontext() as digits:
+        digits.prec = 50
+        k, z = Decimal(RATIO), Decimal(size)
+        b = (k - 1) / k
+        value = (-2 * z / k).exp() * (1 - (-b * z).exp()) / (b * z)
+        growth = b / ((b * z).exp() - 1) - 1 / z - 2 / k
+    found = _expansion(size)
+    assert found[0] == pytest.approx(float(value), rel=1e-12)
+    assert found[1] == pytest.approx(float(growth), rel=1e-11)
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.6, 0.95, 1.02, 1.5, 1.8, 2.5])
