@@ -93,7 +93,7 @@ class SelfContact(TermDefinition):
         if min(map(len, self.loops), default=0) < NODES:
             raise ValueError(
                 f"every closed boundary (loop) of the self-contact {self.label!r} needs at least "
-                f"{NODES} particles"
+                f"{NODES} particles; use a smaller particle spacing there"
             )
         if len(self.touching) != sum(map(len, self.loops)):
             raise ValueError(

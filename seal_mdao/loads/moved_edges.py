@@ -176,11 +176,10 @@ class ImposedMotions:
         """Differentiate the displacements by the parameters, shape (2 n, len(names))."""
         names, out = self.names, np.zeros((*self.reference.shape, len(self.names)))
         for own, index, places in self._each():
-            # the later of two edges prescribes a common particle
-            out[index] = 0.0
             columns = [names.index(name) for name in own.motion.names]
             rates = np.zeros((*places.shape, len(names)))
             rates[:, :, columns] = own.rates(places, fraction)
+            # the later of two edges prescribes a common particle, with zeros for other parameters
             out[index] = rates[:, own.components]
         return out.reshape(self.reference.size, len(names))
 

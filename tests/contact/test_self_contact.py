@@ -175,6 +175,44 @@ def test_the_tip_slides_along_the_body(folded):
     assert sum((branch == SLIP).any() for branch in at) >= 3
 
 
+def test_derivatives_in_the_constants_of_the_law(folded):
+    """Of the forces and of the history at fixed positions: the law of each pass has half of the
+    penalties."""
+    path, term = folded.path, folded.term("self_contact")
+    number, step = path.index_of("self_contact"), path.nominal_steps[-1]
+    response, before = step.responses[number], step.before[number]
+    (definition,) = (own for own in folded.seal.terms() if own.label == "self_contact")
+    local = term.linearize(response, step.fraction, before).sparse.toarray()
+    assert {"self_contact_normal_penalty", "self_contact_tangent_penalty"} < {*definition.scalars}
+    for column, (name, scalar) in enumerate(definition.scalars.items(), term.inputs[3].start):
+        h = 1e-3 * scalar.value
+
+        def moved(share, name=name, value=scalar.value, h=h):
+            changed = definition.with_parameters({name: value + share * h})
+            found = changed.on(path.discretization, number).respond(response.x, 0.0, before)
+            assert np.array_equal(found.branch, response.branch)
+            return np.concatenate([found.force.ravel(), found.history.variables.ravel()])
+
+        quotient = QUOTIENT @ [moved(share) for share in (-2, -1, 1, 2)] / (12.0 * h)
+        size = np.abs(quotient).max()
+        assert size > 0.0
+        np.testing.assert_allclose(
+            local[: quotient.size, column], quotient, rtol=0.0, atol=1e-8 * size, err_msg=name
+        )
+
+
+def test_walls_may_penetrate_by_half_of_the_thinnest():
+    """Of a bar with the thickness 2 all points, also those that are far from each other."""
+    lower = np.column_stack([np.arange(11.0), np.zeros(11)])
+    upper = lower[::-1] + np.array([0.0, 2.0])
+    x = np.concatenate([lower, [[10.0, 1.0]], upper, [[0.0, 1.0]]])
+    law = ContactLaw(1e3, 1e3, 0.0, True)
+    n = len(x)
+    reach = SelfContact("self", (np.arange(n),), np.ones(n, bool), x, law).reach()
+    assert reach.max() == 1.0
+    assert reach.min() >= 0.5
+
+
 def test_direct_and_adjoint_agree(folded, tables):
     direct, adjoint = tables
     for measure in folded.seal.standard:

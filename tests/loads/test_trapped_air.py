@@ -1,5 +1,7 @@
 """Air trapped in a hole: its law, its tangent, its derivatives, a cycle."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from air_ring import RAYS, air_ring, change_of_residual, ring_body, ring_particles
@@ -8,6 +10,8 @@ import seal_mdao as sm
 from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.loads.trapped_air import TrappedAir
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.structure.environment import Environment
+from seal_mdao.terms.ramp import ramp_of_stages
 
 PRESSURE, GAMMA = 101.325, 1.4
 
@@ -56,6 +60,25 @@ def test_the_tangent_is_the_derivative_of_the_residual(squeezed, rng):
     np.testing.assert_allclose(factor.solve(quotient), along, rtol=0.0, atol=1e-6)
     transposed = factor.solve(quotient, True) @ quotient
     np.testing.assert_allclose(transposed, quotient @ factor.solve(quotient), rtol=1e-9)
+
+
+def test_forces_derive_from_the_potential_of_heated_and_stretched_air(squeezed, rng):
+    """At fixed temperature and stretch."""
+    path, number = squeezed.path, squeezed.path.index_of("air")
+    steps = [squeezed.seal.n_steps]
+    around = Environment(ramp_of_stages(1.0, [1.1], steps), ramp_of_stages(23.0, [90.0], steps))
+    (air,) = (own for own in squeezed.seal.terms() if own.label == "air")
+    term = replace(air, environment=around).on(path.discretization, number)
+    x, way, h = path.steps[-1].responses[number].x, rng.standard_normal((RAYS, 2)), 1e-3
+    fraction = 0.7 * steps[0]
+
+    def potential(share):
+        return term.potential(None, term.respond(x + share * h * way, fraction, None))
+
+    slope = np.array([1, -8, 8, -1]) @ [potential(s) for s in (-2, -1, 1, 2)] / (12.0 * h)
+    response = term.respond(x, fraction, None)
+    assert response.outputs[0, 0] > 5.0
+    assert (response.force * way).sum() == pytest.approx(slope, rel=1e-8)
 
 
 def test_newton_converges_quadratically():

@@ -10,6 +10,8 @@ from block_files import DESIGN, FIXED, GLUED, MEASURES, MOVED, file_of, seal_of
 
 import seal_mdao as sm
 from seal_mdao.dsa.sensitivity import particle_gradient
+from seal_mdao.geometry.motion import Stage, staged_motion
+from seal_mdao.loads.moved_edges import MovedEdges
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.measures.work import StrainEnergy
 from seal_mdao.seals.file.export import write_design
@@ -55,6 +57,19 @@ def test_a_block_stretched_by_its_edges_is_in_a_uniform_state(tmp_path):
     # the seal pulls back on what stretches it
     assert result.path.reaction("right")[-1, 0] == pytest.approx(-4.0 * p[0, 0], rel=1e-10)
     assert result.path.reaction("top")[-1, 1] == pytest.approx(-8.0 * p[1, 1], rel=1e-10)
+
+
+def test_edges_begin_where_they_are_also_with_another_placement():
+    """Before the first nominal step, in preliminary increments, too; the placement is reached in it."""
+    motion = staged_motion([Stage(4, (0.0, -1.0), 20.0)], start=(1.0, 2.0), pivot=(0.5, 0.0))
+    placed = motion.with_placement(x="x", angle="angle").moved({"x": 0.3, "angle": 5.0})
+    start = np.array([*motion.positions[0], motion.angles[0]])
+    edges = MovedEdges("top", np.arange(3), (0, 1), placed, start)
+    places = np.array([[0.0, 2.0], [1.0, 2.5], [3.0, 2.0]])
+    for fraction in (-1.0, -0.4, 0.0):
+        np.testing.assert_allclose(edges.displacements(places, fraction), 0.0, atol=1e-15)
+        np.testing.assert_allclose(edges.rates(places, fraction), 0.0, atol=1e-15)
+    assert np.abs(edges.displacements(places, 1.0)).min() > 0.0
 
 
 def test_a_block_turned_by_all_its_edges_stays_free_of_stress(tmp_path):
