@@ -1,6 +1,7 @@
 """Contact of a section with itself: a ring pressed flat, a lip folded on its body."""
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from seal_file.block_files import FIXED, LID, seal_of
 from squeezed_ring import itself, ring, ring_body
 
 import seal_mdao as sm
-from seal_mdao.contact.friction import SLIP, ContactLaw
+from seal_mdao.contact.friction import SLIP, STICK, UNKNOWN, ContactLaw
 from seal_mdao.contact.self_contact import SelfContact, SelfContactTerm
 from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.checks import findings
@@ -133,6 +134,45 @@ def test_a_point_with_zero_gap_is_at_a_kink(pressed):
     assert found.slips.all()
 
 
+def test_a_point_at_the_friction_limit_is_at_a_kink(folded):
+    """The friction is that at which a point that sticks has its limit, w_t |g_t| = mu w_n |g_n|."""
+    path, number = folded.path, folded.path.index_of("self_contact")
+    (definition,) = (own for own in folded.seal.terms() if own.label == "self_contact")
+    chosen = 0
+    for last, step in pairwise(path.steps):
+        response, before = step.responses[number], step.before[number]
+        stick = (last.responses[number].branch == STICK) & (response.branch == STICK)
+        for point in np.flatnonzero(stick):
+            term = folded.term("self_contact")
+            points, _, now = term._followed(response.x)
+            gap = now.gap[np.flatnonzero(points == point)[0]]
+            ratio = term.law.tangent_penalty / term.law.normal_penalty
+            limit = ratio * abs(response.history.variables[point, 2] / gap)
+            for friction, at_limit in ((limit, True), (1.01 * limit, False)):
+                changed = definition.with_parameters({"self_contact_friction": friction})
+                other = changed.on(path.discretization, number)
+                found = other.kinks(response, step.fraction, before)
+                assert (point in found.slipping) == at_limit
+        chosen += stick.sum()
+    assert chosen >= 5
+
+
+@pytest.mark.parametrize(("segments", "known"), [(2.9, True), (3.1, False), (-3.1, False)])
+def test_a_point_that_jumps_over_segments_begins_contact_again(folded, segments, known):
+    term, step = folded.term("self_contact"), folded.end
+    number = folded.path.index_of("self_contact")
+    points, _, now = term._followed(step.responses[number].x)
+    history = step.responses[number].history
+    variables = history.variables.copy()
+    variables[points, 0] = now.xi - segments
+    closed = history.state[points] != UNKNOWN
+    found = term._before(points, now, history._replace(variables=variables))
+    assert closed.any()
+    assert np.array_equal(found.state[closed] != UNKNOWN, np.full(closed.sum(), known))
+    np.testing.assert_allclose(found.change, segments if known else 0.0, rtol=0.0, atol=1e-12)
+    assert np.array_equal(found.size, variables[points, 1] if known else now.size)
+
+
 def test_without_friction_the_force_is_the_gradient_of_a_potential(pressed, rng):
     """The step is a tenth of the smallest penetration, so that the same points touch."""
     term, response = pressed.term("hole"), pressed.response("hole")
@@ -199,6 +239,16 @@ def test_derivatives_in_the_constants_of_the_law(folded):
         np.testing.assert_allclose(
             local[: quotient.size, column], quotient, rtol=0.0, atol=1e-8 * size, err_msg=name
         )
+
+
+def test_neighbours_along_a_closed_boundary_do_not_touch():
+    """Of a circle of 20 points those up to three sides apart, also over its first point."""
+    angle = 2.0 * np.pi * np.arange(20) / 20
+    x = 10.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    law = ContactLaw(1e3, 1e3, 0.0, True)
+    found = SelfContact("self", (np.arange(20),), np.ones(20, bool), x, law).may_touch()
+    apart = np.abs(np.arange(20)[:, None] - np.arange(20))
+    assert np.array_equal(found, (apart > 3) & (apart < 17))
 
 
 def test_walls_may_penetrate_by_half_of_the_thinnest():
@@ -340,6 +390,23 @@ def test_the_energy_that_the_contact_takes_is_stored_but_for_friction(pressed):
     assert taken == pytest.approx(stored, rel=1e-9)
     taken, stored = energy_taken(sm.analyze(sm.build_seal(sm.read_seal_file(LIP))))
     assert 1.2 * stored < taken < 2.0 * stored
+
+
+def test_the_slip_of_the_friction_work_is_that_of_points_that_stick(folded, monkeypatch):
+    """In mm: the elastic slip of points that stick grows by it."""
+    path, term, slips = folded.path, folded.term("self_contact"), []
+    monkeypatch.setattr(
+        ContactLaw, "most_friction_work", lambda law, slip, gaps, length: slips.append(slip) or 0.0
+    )
+    number, sticking = path.index_of("self_contact"), 0
+    for last, step in pairwise(path.steps):
+        then, now = (own.responses[number].history for own in (last, step))
+        term.released_energy(last, last.responses[number], step.d, step.responses[number], 0.0)
+        stick = (then.state == STICK) & (now.state == STICK)
+        sticking += stick.sum()
+        grown = (now.variables - then.variables)[stick, 2]
+        np.testing.assert_allclose(slips[-1][stick], grown, rtol=0.0, atol=1e-12)
+    assert sticking >= 5
 
 
 def test_faces_beside_a_convex_corner_are_no_walls_that_overlap(tmp_path):
