@@ -82,14 +82,20 @@ def test_width_hardly_changes_while_a_closed_seal_relaxes(tmp_path):
 
 STEPS = {
     "g_1": 1e-4, "g_2": 1e-4, "tau_1": 1e-3, "tau_2": 1e-1, "time": 1e-1, "duration_1": 1e-4,
-    "duration_2": 1e-1, "activation_energy": 1e-2, "temperature": 1e-2, "c10": 1e-2,
+    "duration_2": 1e-1, "activation_energy": 1e-2, "temperature": 1e-2, "expansion": 1e-6, "c10": 1e-2,
 }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def unfinished(tmp_path_factory):
-    """A seal whose rubber has not relaxed completely, at a temperature that changes."""
+    """A seal whose rubber has not relaxed completely, at a temperature that changes: it shifts the times
+    of relaxation, changes the moduli and expands the rubber."""
     given = relaxing(stages=f"{CLOSED}, {{ steps = 3, duration = 30.0 }}", shift=SHIFT, model=HOT)
+    given = given.replace(
+        "bulk_modulus = 8000.0\n",
+        "bulk_modulus = 8000.0\nexpansion = 2e-4\n"
+        "modulus_over_temperature = [[0.0, 1.1], [90.0, 0.6]]\n",
+    )
     seal = exact_seal(tmp_path_factory.mktemp("width"), given)
     return seal, sm.differentiate(sm.analyze(seal, keep_factors=True), tuple(STEPS))
 
