@@ -18,7 +18,7 @@ from seal_mdao.measures.work import ProfileWork, StrainEnergy
 from seal_mdao.structure.environment import Environment
 from seal_mdao.terms.ramp import ramp_of_stages
 
-PROGRAM = {"depth": 1e-4, "tilt": 1e-3}
+PARAMETERS = {"depth": 1e-4, "tilt": 1e-3, "boundary_offsets[0]": 1e-4, "boundary_offsets[1]": 1e-4}
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_derivatives(seal, result):
     for measure in MEASURES:
         one, other = (np.atleast_2d(found[measure.name]) for found in (direct, adjoint))
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-10 * np.abs(one).max())
-    for parameter, step in PROGRAM.items():
+    for parameter, step in PARAMETERS.items():
         column = direct.parameters.index(parameter)
         for measure, (quotient, bound) in quotients(
             seal, parameter, step, measures=MEASURES

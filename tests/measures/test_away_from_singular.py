@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
-from seal_mdao.measures.singular_points import away_from_singular
+from seal_mdao.equilibrium.discretization import Body
+from seal_mdao.measures.singular_points import (
+    FIXED_END,
+    REENTRANT_CORNER,
+    away_from_singular,
+    singular_points,
+)
 from seal_mdao.measures.stress import LargestVonMises
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
@@ -39,6 +45,32 @@ def result(tmp_path_factory):
 def value(result, name):
     (measure,) = (own for own in result.seal.standard if own.name == name)
     return result.value(measure)[0]
+
+
+def test_singular_points_of_a_fixed_corner():
+    """Of an L-shaped section whose re-entrant corner lies in the middle of a fixed edge only the ends of
+    this edge, else the corner itself."""
+    numbers = np.arange(9).reshape(3, 3)
+    x = np.column_stack([np.tile(np.arange(3.0), 3), np.repeat(np.arange(3.0), 3)])
+    corners = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
+    cells = np.column_stack([own.ravel() for own in corners])[:3]
+    fixed = np.zeros((9, 2), bool)
+    body = Body(cells, np.full(9, 2.0), fixed, {})
+    (point,) = singular_points(body, x)
+    assert (point.kind, *point.place) == (REENTRANT_CORNER, 1.0, 1.0)
+    fixed[[5, 4, 7]] = True
+    found = singular_points(Body(cells, np.full(9, 2.0), fixed, {}), x)
+    assert [(own.kind, *own.place) for own in found] == [
+        (FIXED_END, 2.0, 1.0), (FIXED_END, 1.0, 2.0)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("excess", [0.05, 0.01])
+@pytest.mark.parametrize("count", [10, 500, 20000])
+def test_the_order_of_the_norm_is_the_smallest_within_the_excess(count, excess):
+    """Of equal stresses at all points the norm is n^(1/p) times as large."""
+    order = LargestVonMises(excess=excess).order(count)
+    assert count ** (1.0 / order) <= 1.0 + excess < count ** (1.0 / (order - 1))
 
 
 def test_only_stress_away_from_the_ends_of_the_base_counts(result):

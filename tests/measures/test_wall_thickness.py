@@ -55,6 +55,11 @@ def test_rings_of_straight_sides_are_exact_and_the_bound_is_below(shift, deficit
     assert least == pytest.approx((2.0 - shift) * np.cos(np.pi / count), rel=1e-13)
     value, _ = evaluated(measure, ring)
     assert (1.0 - deficit) * least <= value < least
+    # equal distances have the largest deficit, and a lower order exceeds its bound
+    equal = measure._smooth_minimum(np.ones(1000))[0]
+    order = -np.log(1000.0) / np.log(equal)
+    assert 1.0 - deficit <= equal
+    assert 1000.0 ** (-1.0 / (order - 1.0)) < 1.0 - deficit
     # all round the same, many pairs are near to the smallest: much of the deficit is used
     assert shift or value < least * (1.0 - 0.5 * deficit)
 

@@ -34,7 +34,7 @@ BLOCK = relaxing(
     HOT.replace("80.0, 80.0", "60.0, 60.0, 60.0"),
 )
 STEPS = {
-    "tau_2": 1e-1, "duration_2": 1e-2, "temperature": 1e-2, "lid_friction": 1e-4,
+    "tau_2": 1e-1, "duration_1": 1e-4, "duration_2": 1e-2, "temperature": 1e-2, "lid_friction": 1e-4,
     "boundary_offsets[1]": 2e-5,
 }  # fmt: skip
 
