@@ -110,8 +110,8 @@ class SealFile:
     tolerance: ToleranceTable | None = None
     model: ModelTable = MODEL
     material_tables: dict[str, MaterialTable] = field(default_factory=dict)
-    implied: dict[str, str] = field(default_factory=dict)
-    given: dict = field(default_factory=dict)
+    implied: dict[str, str] = field(default_factory=dict, compare=False)
+    given: dict = field(default_factory=dict, compare=False)
 
     @property
     def located_measures(self) -> list[tuple[str, MeasureTable]]:
