@@ -10,8 +10,10 @@ from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.cells import (
     add_weight_seeds,
     cell_map,
+    circumscribed_radii,
     quadrature_points,
     quadrature_weights,
+    support_axes,
     weight_rates,
 )
 from seal_mdao.seals.door.door_seal import options_of
@@ -138,3 +140,21 @@ def test_offsets_that_turn_the_wall_inside_out_are_refused():
     offsets = np.concatenate([np.full(14, -1.2), np.full(11, 1.2)])
     with pytest.raises(GeometryError, match="folded"):
         sm.analyze(model, offsets)
+
+
+def test_product_kernels_of_a_sheared_grid_have_the_edges_as_axes():
+    """Half-widths 1.5 and 2.5 edges (1, 0) and (-0.5, 1) long, and the longer diagonal of both."""
+    i, j = (own.ravel() for own in np.meshgrid(np.arange(4), np.arange(4), indexing="ij"))
+    x = np.column_stack([i - 0.5 * j, 1.0 * j])
+    at = np.arange(16).reshape(4, 4)
+    corners = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    axes = support_axes(np.column_stack([own.ravel() for own in corners]), x, (1.5, 2.5))
+    widths = np.array([[1.5, -1.25], [0.0, 2.5]])
+    np.testing.assert_allclose(axes, np.tile(np.linalg.inv(widths), (16, 1, 1)), atol=1e-14)
+    np.testing.assert_allclose(circumscribed_radii(axes), np.hypot(1.5 + 1.25, 2.5), rtol=1e-14)
+
+
+def test_a_cell_without_area_is_refused():
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 0.0]])
+    with pytest.raises(GeometryError, match="negative or zero area"):
+        quadrature_weights(cell_map(np.array([[0, 1, 2, 3]])), x)
