@@ -1,8 +1,9 @@
-"""Load-deflection curves as text: force on every moving profile, or moved edges, over the travel."""
+"""Load-deflection curves as text: force on every moving profile, or moved edges, over the travel; where
+nothing moves over the pressure of a fluid."""
 
 import numpy as np
 
-from seal_mdao.seals.profiles import moving_histories, moving_parts
+from seal_mdao.seals.profiles import ROTATION, TRAVEL, moving_histories, moving_parts
 
 MOST_ROWS = 10
 """Largest number of rows for a load-unload segment; the last load step is always one of them."""
@@ -35,11 +36,13 @@ def force_lines(result) -> list[str]:
     names = " and ".join(units.directions)
     beside = f", the same in N {units.along}" if units.radius else ""
     for part, history in zip(moving_parts(result.seal), moving_histories(result), strict=True):
-        if not part.motion.moves or not len(history.stage):
+        # none for a profile at rest, unless nothing moves and a fluid presses
+        pressed = any(own.axis not in (TRAVEL, ROTATION) for own in history.load_segments)
+        if not (part.motion.moves or pressed) or not len(history.stage):
             continue
         size = np.hypot(*history.force.T)
         for segment in history.load_segments:
-            along = "turn (deg)" if segment.turns else "travel (mm)"
+            along = "turn (deg)" if segment.axis == ROTATION else segment.axis
             stages = ", ".join(map(str, segment.stages))
             found.append(
                 f"{history.label}, stage {stages}: {along}, {names} force ({units.force}){beside}"

@@ -233,7 +233,7 @@ def _segment_panels(rows, result: SealResult):
 
 def _label(axes, history, segment) -> None:
     """Label the axis of travel, with 20 % of it free at its end and, after unloading, its beginning."""
-    axes.set_xlabel("rotation (°)" if segment.turns else "travel (mm)")
+    axes.set_xlabel(segment.axis)
     several = len(segment.stages) > 1
     if len(history.load_segments) > 1 or several:
         numbers = ", ".join(map(str, segment.stages))

@@ -214,10 +214,10 @@ def _curves(result, history, steps) -> dict:
     """Curves of a profile at nominal steps: along its contact points, and over its travel; of moved
     edges over their travel alone."""
     words, along = "load step", np.arange(1.0, 1.0 + len(history.force))
-    # travel where all of the path is one load-unload segment
+    # travel, or pressure of a fluid, where all of the path is one load-unload segment
     if len(history.load_segments) == 1:
         (load_segment,) = history.load_segments
-        words, along = "rotation (°)" if load_segment.turns else "travel (mm)", load_segment.along
+        words, along = load_segment.axis, load_segment.along
     found = {
         "name": history.label,
         "arc": [],

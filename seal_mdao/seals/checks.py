@@ -181,8 +181,8 @@ def _fluids(samples: EvaluationPoints):
                 "edge on the wet side, or change the end (from)",
                 False,
             )
-        # w > 0 at the last particle
-        elif weight[-1] > 0.0:
+        # w > 0 at the last particle of an edge that a contact should close
+        elif term.comes_from_one_end and weight[-1] > 0.0:
             yield Finding(
                 f"the fluid {term.label!r} passes the contact and acts on its complete edge: a pressure "
                 f"of {term.pressure_at(at_end):.4g} kPa needs a contact pressure of "

@@ -13,12 +13,15 @@ from seal_mdao.contact.self_contact import SelfContact
 from seal_mdao.geometry.motion import Motion, step_fractions
 from seal_mdao.measures.boundary_line import BoundaryLine, contact_fractions, ordered_points
 from seal_mdao.measures.contact_modulus import ContactModulus
+from seal_mdao.seals.fluids import fluid_pressures
 from seal_mdao.seals.path_times import StageEnds, stage_ends, times_at
 
 PARALLEL = 1e-9
 """Sine of the angle between stages that still go along one line."""
 MIDDLES = 3
 """With up to so many stages their middles are key steps, too."""
+TRAVEL, ROTATION = "travel (mm)", "rotation (°)"
+"""What the load steps of a course are plotted against."""
 
 
 def contacts(seal) -> tuple:
@@ -41,9 +44,10 @@ class Course(NamedTuple):
     stages : tuple of int
         From 1.
     along : ndarray, shape (n,)
-        Signed travel (mm) or turn (degrees), after each of its steps.
-    turns : bool
-        Whether it is a turn without travel.
+        Signed travel (mm), turn without travel (degrees), or pressure of a fluid (kPa) where nothing
+        moves along the complete path, after each of its steps.
+    axis : str
+        ``TRAVEL``, ``ROTATION``, or the name of the pressure, with the unit.
     begin : float
         Travel or turn where it begins: zero, but the first travel of a seal is counted from its
         ``before_touch``.
@@ -52,7 +56,7 @@ class Course(NamedTuple):
     steps: slice
     stages: tuple
     along: np.ndarray
-    turns: bool
+    axis: str
     begin: float = 0.0
 
 
@@ -185,7 +189,7 @@ def _history(result, contact) -> ProfileHistory:
         contact.label, stage, np.hypot(moved[:, 0], moved[:, 1]), moved[:, 2],
         _coordinates(contact.motion, number), result.path.reaction(contact.label),
         result.path.initial_force(contact.label),
-        *at_steps.reshape(-1, 4).T, load_segments(motion, len(number), result.seal.before_touch),
+        *at_steps.reshape(-1, 4).T, courses(result.seal, motion, len(number)),
     )  # fmt: skip
 
 
@@ -291,6 +295,17 @@ def _coordinates(motion, number) -> np.ndarray:
     return rows * (1.0, 1.0, np.degrees(1.0))
 
 
+def courses(seal, motion: Motion, n_steps: int) -> tuple[Course, ...]:
+    """Divide the first ``n_steps`` nominal steps of the motion of a profile of a seal, see
+    ``load_segments``; where nothing moves and a fluid acts, they are one course over its pressure."""
+    pressures = fluid_pressures(seal, np.arange(1.0, n_steps + 1.0))
+    if motion.moves or not pressures or not n_steps:
+        return load_segments(motion, n_steps, seal.before_touch)
+    label, along = next(iter(pressures.items()))
+    stages = tuple(range(1, 1 + int(stage_of(motion, np.array([n_steps - 1]))[0])))
+    return (Course(slice(0, n_steps), stages, along, f"pressure of {label} (kPa)"),)
+
+
 def load_segments(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Course, ...]:
     """Divide the first ``n_steps`` nominal steps of a motion where its direction changes.
 
@@ -320,7 +335,8 @@ def load_segments(motion: Motion, n_steps: int, before: float = 0.0) -> tuple[Co
         moved = _coordinates(motion, range(steps.start, steps.stop)) - waypoints[stages[0]]
         numbers = tuple(s + 1 for s in stages if ends[s] < n_steps)
         begin = 0.0 if turns or stages[0] else -before
-        found.append(Course(steps, numbers, moved @ unit + begin, turns, begin))
+        axis = ROTATION if turns else TRAVEL
+        found.append(Course(steps, numbers, moved @ unit + begin, axis, begin))
     return tuple(found)
 
 
@@ -356,9 +372,12 @@ def key_steps(result) -> list[int]:
 
 
 def caption(result, step: int) -> str:
-    """Describe where the profiles are after a nominal step, and the time where the seal has times."""
+    """Describe where the profiles are after a nominal step, the pressures of fluids, and the time where
+    the seal has times."""
     motion, time = leading_motion(result.seal), times_at(result.seal, [step + 1.0])
-    after = [] if time is None else [f"after {duration(time[0])}"]
+    pressures = fluid_pressures(result.seal, [step + 1.0]).items()
+    after = [f"{label} {p:.3g} kPa" for label, (p,) in pressures if p > 0.0]
+    after += [] if time is None else [f"after {duration(time[0])}"]
     if motion is None:
         return ", ".join([f"step {step + 1} of {result.seal.n_steps}", *after])
     (stage,) = stage_of(motion, np.array([step]))

@@ -11,6 +11,8 @@ from seal_mdao.plotting import section_drawing as section
 from seal_mdao.plotting.field import FineGrid
 from seal_mdao.report.picture_data import contact_points, stress_colours
 from seal_mdao.seals.profiles import (
+    ROTATION,
+    TRAVEL,
     arc_length,
     contacts,
     leading_motion,
@@ -202,13 +204,13 @@ def _abscissa(seal, motion, done: int) -> tuple[str, np.ndarray, np.ndarray]:
     """Abscissa of the curves: its name, its values (done,), the direction (3,) along which it is
     measured; zero where it counts load steps."""
     segments = load_segments(motion, done, seal.before_touch)
-    if len(segments) != 1:
+    if len(segments) != 1 or not motion.moves:
         return "load step", np.arange(1.0, done + 1.0), np.zeros(3)
     (segment,) = segments
-    if segment.turns:
-        return "rotation (°)", segment.along, np.array([0.0, 0.0, np.degrees(1.0)])
+    if segment.axis == ROTATION:
+        return ROTATION, segment.along, np.array([0.0, 0.0, np.degrees(1.0)])
     chord = next(c for c in np.diff(motion.positions, axis=0) if c.any())
-    return "travel (mm)", segment.along, np.append(chord / np.hypot(*chord), 0.0)
+    return TRAVEL, segment.along, np.append(chord / np.hypot(*chord), 0.0)
 
 
 # ---- first-order changes ----

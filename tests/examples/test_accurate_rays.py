@@ -104,7 +104,7 @@ def test_other_clouds_are_touched_at_averages_unless_the_file_says_otherwise(tmp
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ([(FIXED, FIXED + FLUID)], r"a \[\[fluid\]\] needs contact points at the particles"),
+        ([(FIXED, FIXED + FLUID)], r"a \[\[fluid\]\] with the key from needs contact points"),
         (
             [(STEPS, STEPS + f"rotate = 1.0\n{WORK}")],
             r"profile_work \(\[\[measure\]\] 1\) of a rotating profile",

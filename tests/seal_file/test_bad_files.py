@@ -50,6 +50,7 @@ CAVITY = "[[cavity]]\nhole = 1\n"
 VENTS = "vent_diameter = 3.0\nvent_spacing = 100.0\nclosing_speed = 500.0\n"
 TOUCH = '[self_contact]\nfriction = 0.3\nedges = ["second"]\n'
 FLUID = '[[fluid]]\nedge = "seal"\nfrom = "end"\npressure = 50.0\nsteps = 20\n'
+PRESSED = FLUID.replace('from = "end"\n', "")
 GAPS = """[[measure]]
 type = "section_area"
 name = "gaps_2"
@@ -186,8 +187,10 @@ BAD = {
                     "[[fluid]] 1: edge = seal, cavity is not one connected part of the boundary; list"),
     "fluid untouched": (FIXED, FIXED + FLUID.replace('"seal"', '"base"'), "[[fluid]] 1: edge = base, "
                         "but no profile may touch these edges, so nothing stops the fluid"),
-    "fluid from nowhere": (FIXED, FIXED + FLUID.replace('from = "end"\n', ""),
-                           "[[fluid]] 1: the key 'from' is missing; it must be one of start, end"),
+    "fluid from nowhere": (FIXED, FIXED + PRESSED, "[[fluid]] 1: edge = seal, without from, but the "
+                           "profile 'door' may touch it and stop the fluid; give the end from which"),
+    "fluid in a cavity": (FIXED, FIXED + CAVITY + PRESSED.replace('"seal"', '"cavity"'), "[[fluid]] 1: "
+                          "edge = cavity belongs to hole 1, whose air already presses on it"),
     "fluid from left": (FIXED, FIXED + FLUID.replace('"end"', '"left"'),
                         "[[fluid]] 1: from = 'left', but it must be one of start, end"),
     "fluid sucks": (FIXED, FIXED + FLUID.replace("50.0", "-50.0"),
@@ -200,7 +203,7 @@ BAD = {
     "fluid of no share": (FIXED, FIXED + FLUID + "share = 0.0\n",
                           "[[fluid]] 1: share = 0.0, but it must be a number above 0 and at most 1"),
     "fluid misspelt": (FIXED, FIXED + FLUID.replace("pressure", "presure"), "[[fluid]] 1: unknown key "
-                       "'presure' (did you mean 'pressure'?); the keys are edge, from, pressure"),
+                       "'presure' (did you mean 'pressure'?); the keys are edge, pressure, from"),
     "fluid named as a profile": (FIXED, FIXED + FLUID + 'name = "door"\n',
                                  "[[fluid]] 1: name = 'door', but a profile has it; give every"),
     "two fluids of one name": (FIXED, FIXED + 2 * FLUID,
@@ -208,7 +211,7 @@ BAD = {
     "fluid as a cavity": (FIXED, FIXED + FLUID + 'name = "air"\n' + CAVITY,
                           "[[fluid]] 1: name = 'air', but [[cavity]] 1 has it"),
     "blow-off of no fluid": (WIDTH, 'type = "blow_off_pressure"',
-                             "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]]; there"),
+                             "[[measure]] 1: fluid = 'fluid', but there is no such [[fluid]] with"),
     "no profile": (*without(PROFILE), "[[profile]] is missing"),
     "type of a measure": (WIDTH, 'type = "pressure"',
                           "type = 'pressure', but it must be one of peak_pressure, pressure_"),

@@ -12,6 +12,8 @@ from seal_mdao.geometry.motion import Stage, staged_motion
 from seal_mdao.measures.contact_pressure import ContactWidth
 from seal_mdao.seals.instabilities import Instability
 from seal_mdao.seals.profiles import (
+    ROTATION,
+    TRAVEL,
     contacts,
     leading_motion,
     load_segments,
@@ -30,7 +32,7 @@ def test_there_and_back_is_one_course():
     assert there.along == pytest.approx([1.5, 3.0, 2.5, 2.0, 1.5])
     assert across.stages == (3,)
     assert across.along == pytest.approx([1.0, 2.0])
-    assert not there.turns
+    assert there.axis == TRAVEL
 
 
 def test_courses_end_where_the_path_ended():
@@ -53,10 +55,10 @@ def test_turns_are_counted_in_degrees_and_rests_join():
         pivot=(3.0, 4.0),
     )
     turning, both = load_segments(motion, 6)
-    assert turning.turns
+    assert turning.axis == ROTATION
     assert turning.stages == (1, 2, 3, 4)
     assert turning.along == pytest.approx([0.0, 15.0, 30.0, 30.0, 20.0])
-    assert not both.turns
+    assert both.axis == TRAVEL
     assert both.along == pytest.approx([1.0])
 
 

@@ -235,7 +235,7 @@ def _check_fluids(file) -> None:
     """Refuse fluids that have no edge to go along, nothing to hold them back, or no time to grow."""
     for number, fluid in enumerate(file.fluids, 1):
         where = f"[[fluid]] {number}"
-        _check_fluid_edges(where, fluid.edges, file)
+        _check_fluid_edges(where, fluid, file)
         # without steps the pressure grows in the last stage
         if fluid.steps is None:
             continue
@@ -253,19 +253,24 @@ def _check_fluids(file) -> None:
             )
 
 
-def _check_fluid_edges(where: str, edges, file) -> None:
-    """Refuse edges of a fluid that are no connected part with two ends, or that no profile may touch."""
-    check_edges(where, "edge", edges, file.section.outline)
-    contour, all_round = _stretch(edges, file.section.outline)
+def _check_fluid_edges(where: str, fluid, file) -> None:
+    """Refuse edges of a fluid that are no connected part; with the key ``from`` those without ends, and
+    those that no profile may touch; without it those that one may touch, or that enclose air."""
+    edges, outline = fluid.edges, file.section.outline
+    check_edges(where, "edge", edges, outline)
+    contour, all_round = _stretch(edges, outline)
     where = f"{where}: edge = {', '.join(edges)}"
     if contour is None:
         raise SealFileError(
             f"{where} is not one connected part of the boundary; list adjacent edges, in order"
         )
+    if fluid.end is None:
+        _check_pressed(where, edges, contour, file)
+        return
     if all_round:
         raise SealFileError(
-            f"{where} is a closed curve, so it has no wet and no dry end; divide it into several "
-            "edges and leave one of them out"
+            f"{where} is a closed curve, so it has no wet and no dry end; leave out from if the "
+            "pressure acts all round, or divide the curve into several edges and leave one of them out"
         )
     # contact keeps the fluid from the dry side
     touching = dict.fromkeys(name for profile in file.profiles for name in profile.contact)
@@ -274,8 +279,26 @@ def _check_fluid_edges(where: str, edges, file) -> None:
             f"add to the list edge one of the edges that a profile may touch: {', '.join(touching)}"
         )
         raise SealFileError(
-            f"{where}, but no profile may touch these edges, so nothing stops the fluid; "
+            f"{where}, but no profile may touch these edges, so nothing stops the fluid; leave out "
+            "from if the pressure acts on all of them, or "
             + (cure if touching else "add a [[profile]] that presses on one of them")
+        )
+
+
+def _check_pressed(where: str, edges, contour, file) -> None:
+    """Refuse edges with a pressure on all of them that a profile may touch, or that enclose air."""
+    for profile in file.profiles:
+        if set(edges) & set(profile.contact):
+            raise SealFileError(
+                f"{where}, without from, but the profile {profile.name!r} may touch it and stop the "
+                'fluid; give the end from which the fluid comes (from = "start" or "end"), or list in '
+                "contact of the profile only the edges that it touches"
+            )
+    number = next((n for n, hole in enumerate(file.section.outline.holes, 1) if hole is contour), 0)
+    if any(cavity.hole == number for cavity in file.cavities):
+        raise SealFileError(
+            f"{where} belongs to hole {number}, whose air already presses on it ([[cavity]]); remove "
+            "one of the two tables"
         )
 
 
@@ -373,6 +396,7 @@ def _check_steps(file) -> None:
         raise SealFileError(
             "[[profile]]: nothing moves, because no profile has a [[profile.stage]]; add a stage "
             "to at least one profile"
+            + (", without translate if only a fluid presses: stage = [{}]" if file.fluids else "")
         )
     first = moving[0]
     for profile in moving[1:]:
@@ -420,9 +444,10 @@ def _check_contact_points(where: str, profile, file) -> None:
     if profile.contact_points == "particles":
         return
     where = f'{where}: contact_points = "{profile.contact_points}", but'
-    if file.fluids:
+    if file.penetrating_fluids:
         raise SealFileError(
-            f"{where} a [[fluid]] needs contact points at the particles; leave out contact_points"
+            f"{where} a [[fluid]] with the key from needs contact points at the particles; leave out "
+            "contact_points"
         )
     work = turning_work(profile, file.measures)
     if work is not None:

@@ -136,22 +136,24 @@ class CavityTable(Table):
         )
 
 
-@table(kw_only=True)
+@table
 class FluidTable(Table):
-    """Fluid at one end of an edge, which penetrates until contact with a profile stops it."""
+    """Fluid on an edge: on all of it, or from one end until contact with a profile stops it."""
 
     edges: Stretch = key(
-        "an edge, or a list of adjacent edges, from the wet side through the contact to the dry"
-        " side",
+        "an edge, or a list of adjacent edges: with from, those from the wet side through the "
+        "contact to the dry side; without it, those on which the pressure acts",
         alias="edge",
-    )
-    end: one_of(*ENDS) = key(
-        "end of the edge at which the fluid is; the outer contour runs counter-clockwise, holes"
-        " clockwise",
-        alias="from",
     )
     pressure: number("kPa", above=0.0, most=MOST_PRESSURE) = key(
         "pressure of the fluid above that on the dry side"
+    )
+    end: one_of(*ENDS) | None = key(
+        "end of the edge at which the fluid is; the outer contour runs counter-clockwise, holes"
+        " clockwise; without it the pressure acts on the complete edge, such as that of an inflated "
+        "hole, which no profile may touch",
+        None,
+        alias="from",
     )
     steps: whole(1, MOST_STEPS) | None = key(
         "number of load steps at the end of the path over which the pressure grows from 0 in "
@@ -174,22 +176,28 @@ class FluidTable(Table):
             Steps of the last stage, over which the pressure grows unless ``steps`` is given: a number of
             equal ones, or the fractions of the pressure at their ends.
         """
-        # contacts that touch the edges close them against the fluid
-        particles = section.particles(section.in_order(self.edges))
-        closing = tuple(
-            own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
-        )
+        edges = section.in_order(self.edges)
+        particles = section.particles(edges)
         # zero pressure up to the last steps, over which it grows
         grown = step_fractions(last if self.steps is None else self.steps)
         ramp = np.concatenate([np.zeros(section.n_steps + 1 - len(grown)), grown])
+        if self.end is None:
+            # a closed edge ends where it begins
+            if section.sides(edges)[-1, 1] == particles[0]:
+                particles = np.append(particles, particles[0])
+            return FluidPressure(self.name, particles, None, self.pressure, ramp, ())
+        # contacts that touch the edges close them against the fluid
+        closing = tuple(
+            own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
+        )
         # the particles before and after every one; none at the ends
         beside = np.column_stack([
             np.append(particles[0], particles[:-1]), np.append(particles[1:], particles[-1])
         ])  # fmt: skip
-        edges = boundary_particles(particles, beside).edges
+        sides = boundary_particles(particles, beside).edges
         return FluidPressure(
             self.name, particles, self.end, self.pressure, ramp, closing, self.share,
-            sharp_corners(edges, section.body.nominal),
+            sharp_corners(sides, section.body.nominal),
         )  # fmt: skip
 
 

@@ -90,7 +90,8 @@ class Extensible(Form):
         if len(every) > MOST_LISTED:
             # the nearest ones of many, or the first ones
             some = get_close_matches(str(name), every, CLOSE) or every[:CLOSE]
-            return f"one of {', '.join(some)}, or one of {len(every) - len(some)} others"
+            others = f"one of {len(every) - len(some)} others, which seal-mdao keys lists"
+            return f"one of {', '.join(some)}, or {others}"
         none = "the name of an installed or registered extension; there is none"
         return f"one of {', '.join(every)}{suggestion(name, every)}" if every else none
 

@@ -246,6 +246,11 @@ class SealFile:
         )  # fmt: skip
 
     @property
+    def penetrating_fluids(self) -> tuple[FluidTable, ...]:
+        """Fluids that come from one end of an edge, up to a contact."""
+        return tuple(own for own in self.fluids if own.end is not None)
+
+    @property
     def environment(self) -> Environment | None:
         """Axial stretch, temperature and time along the path."""
         return environment_of(self)

@@ -145,10 +145,11 @@ class BlowOffPressureTable(MeasureTable):
     fluid: Text | None = key("name of a [[fluid]]; default: the only one, or fluid", None)
 
     def completed(self, file):
-        return replace(self, fluid=only_name(self.fluid, file.fluids, "fluid"))
+        return replace(self, fluid=only_name(self.fluid, file.penetrating_fluids, "fluid"))
 
     def check(self, where, file):
-        known(where, "fluid", self.fluid, [own.name for own in file.fluids], "[[fluid]]")
+        names = [own.name for own in file.penetrating_fluids]
+        known(where, "fluid", self.fluid, names, "[[fluid]] with the key from")
 
 
 simple_kind("contact_width", ContactWidth, OfProfile, "Length of the deformed boundary in contact.")

@@ -190,8 +190,8 @@ def _with_contact_points(file: SealFile) -> tuple:
     """Choose the contact points of profiles where the file leaves them open.
 
     The averages, which reproduce a uniform pressure; on rays those of their scheme. The particles where
-    something needs a particle at the contact: a fluid, the work of a profile that turns, a body in plane
-    strain that only profiles hold (``_at_particles``).
+    something needs a particle at the contact: a fluid that contact stops, the work of a profile that
+    turns, a body in plane strain that only profiles hold (``_at_particles``).
     """
     bodies = () if file.axisymmetric else unsupported_bodies(file)
     holding = {name for *_, edges in bodies for name in _at_particles(file, edges)}
@@ -199,7 +199,7 @@ def _with_contact_points(file: SealFile) -> tuple:
     found = []
     for own in file.profiles:
         chosen = "averages"
-        if file.fluids or own.name in holding or turning_work(own, file.measures):
+        if file.penetrating_fluids or own.name in holding or turning_work(own, file.measures):
             chosen = "particles"
         elif isinstance(spacing, Rays) and not file.axisymmetric:
             chosen = WALL_SCHEMES[spacing.accuracy].contact_points
