@@ -50,6 +50,15 @@ def farthest_coupled(equations: np.ndarray, coupling) -> np.ndarray:
     return np.maximum.accumulate(farthest)
 
 
+def numbered(fixed: np.ndarray, order) -> np.ndarray:
+    """Number the free components (n, 2) of the particles in the given order, -1 elsewhere."""
+    equations = np.full(fixed.shape, -1)
+    free = ~fixed[order]
+    rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
+    equations[order] = np.where(free, rank, -1)
+    return equations
+
+
 def block_ends(farthest: np.ndarray) -> tuple[np.ndarray, float]:
     """Divide the equations into blocks with the least operations of a factorisation.
 

@@ -1,9 +1,9 @@
 """Equation numbers and slots of the entries of the tangent.
 
 The assembly kernels add to one flat buffer through precomputed slots. The buffer holds, in this order:
-the entries of the block tridiagonal matrix (``block_tridiagonal``); the rows K_C. and
-the columns K_.C of the constrained particles; the dump, one entry that collects what belongs to
-prescribed displacements; the columns of the rank-one parts, and their sizes.
+the entries of the matrix (``tangent_storage``); the rows K_C. and the columns K_.C of the constrained
+particles; the dump, one entry that collects what belongs to prescribed displacements; the columns of the
+rank-one parts, and their sizes.
 """
 
 from dataclasses import dataclass
@@ -16,15 +16,16 @@ from scipy.sparse.csgraph import breadth_first_order, reverse_cuthill_mckee
 from seal_mdao.compilation import compiled, inlined
 from seal_mdao.equilibrium.block_tridiagonal import (
     BlockFactor,
-    BlockTridiagonal,
     block_ends,
     farthest_coupled,
+    numbered,
 )
 from seal_mdao.equilibrium.condensation import Condensation, condense_force, condense_tangent
 from seal_mdao.equilibrium.corrected_factor import CorrectedFactor
 from seal_mdao.equilibrium.couplings import couplings
+from seal_mdao.equilibrium.tangent_storage import ReorderedFactor, TangentStorage
 
-Factor = BlockFactor | CorrectedFactor
+Factor = BlockFactor | ReorderedFactor | CorrectedFactor
 """Factorised tangent: ``solve``, ``positive`` and its memory ``nbytes``."""
 
 # Number of starting particles tried in the body, and at its base, for small blocks.
@@ -62,7 +63,7 @@ class TangentLayout:
         Unknowns, and lengths of the value and the force buffers.
     scatter : tuple of Scatter
         One for each raw shape table, in the order given.
-    storage : BlockTridiagonal
+    storage : TangentStorage
     condensation : Condensation, optional
         None where no particle is constrained.
     stored : _StoredIndices
@@ -77,7 +78,7 @@ class TangentLayout:
     size: int
     force_size: int
     scatter: tuple
-    storage: BlockTridiagonal
+    storage: TangentStorage
     condensation: Condensation | None
     stored: NamedTuple
     n_columns: int = 0
@@ -176,15 +177,6 @@ class TangentLayout:
         return padded[self.equations]
 
 
-def _number(fixed, order) -> np.ndarray:
-    """Number the free components (n, 2) of the particles in the given order, -1 elsewhere."""
-    equations = np.full(fixed.shape, -1)
-    free = ~fixed[order]
-    rank = np.cumsum(free.ravel()).reshape(free.shape) - 1
-    equations[order] = np.where(free, rank, -1)
-    return equations
-
-
 def _spread(particles: np.ndarray) -> np.ndarray:
     """Select at most ``SEARCHED_STARTS`` of the particles at equal distances in the list."""
     return particles[:: max(1, -(-particles.size // SEARCHED_STARTS))]
@@ -219,9 +211,9 @@ def number_equations(fixed: np.ndarray, coupling, base=()) -> np.ndarray:
         # a start reaches one connected body only; with several bodies Cuthill-McKee remains
         if order.size == movable.size:
             orders.append(order)
-    numbered = [_number(fixed, movable[order]) for order in orders]
-    operations = [block_ends(farthest_coupled(number, coupling))[1] for number in numbered]
-    return numbered[int(np.argmin(operations))]
+    found = [numbered(fixed, movable[order]) for order in orders]
+    operations = [block_ends(farthest_coupled(number, coupling))[1] for number in found]
+    return found[int(np.argmin(operations))]
 
 
 class _StoredIndices(NamedTuple):
@@ -234,9 +226,12 @@ class _StoredIndices(NamedTuple):
     n_equations : int
     coupled : ndarray of int, shape (n,)
         Index among the ``n_coupled`` coupled particles, -1 for others.
-    origins : ndarray of int, shape (n_equations,)
-        Of ``BlockTridiagonal``.
-    first_row, first_column, dump : int
+    origins, first, end : ndarray of int, shape (n_equations,)
+        Rows of every column within the blocks: row i has the slot ``origins`` + i.
+    start : ndarray of int, shape (n_equations + 1,)
+    outside : ndarray of int
+        Rows outside the blocks, of ``TangentStorage``, with slots from ``first_outside`` on.
+    first_outside, first_row, first_column, dump : int
         First slots of the rows and of the columns of constrained particles; slot of the dump.
     """
 
@@ -246,6 +241,11 @@ class _StoredIndices(NamedTuple):
     coupled: np.ndarray
     n_coupled: int
     origins: np.ndarray
+    first: np.ndarray
+    end: np.ndarray
+    start: np.ndarray
+    outside: np.ndarray
+    first_outside: int
     first_row: int
     first_column: int
     dump: int
@@ -256,7 +256,17 @@ def _stored(stored, row, column):
     """Return the slot of the entry (row, column) of two equations."""
     if row < 0 or column < 0:
         return stored.dump
-    return stored.origins[column] + row
+    if stored.first[column] <= row < stored.end[column]:
+        return stored.origins[column] + row
+    # bisection among the rows of the column outside the blocks
+    low, high = stored.start[column], stored.start[column + 1]
+    while low < high:
+        middle = (low + high) // 2
+        if stored.outside[middle] < row:
+            low = middle + 1
+        else:
+            high = middle
+    return stored.first_outside + low
 
 
 @inlined
@@ -340,12 +350,14 @@ def tangent_layout(
     transformation, constrained = _effective(transformation), np.empty(0, int)
     if transformation is not None:
         constrained = transformation.constrained
-    coupled, coupling = couplings(len(equations), tables, transformation, links)
+    coupled, whole = couplings(len(equations), tables, transformation, links)
+    body = couplings(len(equations), tables, transformation)[1] if links else whole
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
-    storage = BlockTridiagonal(block_ends(farthest_coupled(equations, coupling))[0])
+    storage = TangentStorage(equations, body, whole)
     # n equations, c constrained and v coupled particles: K_C. and K_.C have 2 c x 2 v entries each
     stored = _StoredIndices(
-        equations.copy(), n, c, np.full(len(equations), -1), v, storage.origins, storage.size,
+        equations.copy(), n, c, np.full(len(equations), -1), v, storage.blocks.origins, storage.first,
+        storage.end, storage.start, storage.outside, storage.blocks.size, storage.size,
         storage.size + 4 * c * v, storage.size + 8 * c * v,
     )  # fmt: skip
     # components of constrained particles behind the equations, flat (component, particle)

@@ -111,11 +111,14 @@ def energy(disc, d, constants=CONSTANTS):
 def dense(layout, values):
     """The matrix in a tangent buffer."""
     storage, n = layout.storage, layout.n_equations
-    matrix = np.zeros((n, n))
-    columns = zip(storage.starts, storage.shapes, storage.rows, storage.stored, strict=False)
+    blocks, matrix = storage.blocks, np.zeros((n, n))
+    columns = zip(blocks.starts, blocks.shapes, blocks.rows, blocks.stored, strict=False)
     for start, shape, own, stored in columns:
         block = values[start : start + shape[0] * shape[1]].reshape(shape, order="F")
         matrix[stored, own] = block
+    # entries of links outside the blocks
+    column = np.repeat(np.arange(n), np.diff(storage.start))
+    matrix[storage.outside, column] = values[blocks.size : storage.size]
     return matrix
 
 

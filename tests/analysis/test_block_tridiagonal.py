@@ -30,7 +30,7 @@ def bent(rng):
     layout, values = disc.layout, internal(disc, wave(disc, 0.01))[1]
     diagonal = layout.storage.diagonal()
     values[diagonal] *= rng.uniform(1.05, 1.15, diagonal.size)
-    assert len(layout.storage.rows) > 2
+    assert len(layout.storage.blocks.rows) > 2
     return layout, values, disc
 
 
@@ -113,7 +113,7 @@ def test_a_singular_leading_block_costs_no_digits(blocks, rng, smallest, transpo
 
 def test_usual_matrices_are_factorised_in_blocks(bent):
     layout, values, _ = bent
-    assert len(layout.factorize(values).rows) == len(layout.storage.rows)
+    assert len(layout.factorize(values).rows) == len(layout.storage.blocks.rows)
 
 
 def test_tangent_of_a_body_is_solved(bent, rng):
@@ -170,7 +170,7 @@ def test_bodies_that_are_not_coupled_have_blocks_of_their_own():
 def test_blocks_of_a_thin_wall_are_small():
     """The work of a ring grows with its length, that of one block with the third power."""
     seal = sm.door_seal(rays=116)
-    storage = discretize(seal.body, seal.nominal_particles, seal.definitions).layout.storage
+    storage = discretize(seal.body, seal.nominal_particles, seal.definitions).layout.storage.blocks
     sizes = [own.stop - own.start for own in storage.rows]
     assert max(sizes) < 0.2 * storage.n
     assert len(sizes) > 6
