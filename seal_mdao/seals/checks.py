@@ -230,7 +230,7 @@ def _strains(samples: EvaluationPoints):
     """Report materials that are strained beyond the range for which their constants are known."""
     path = samples.path
     cells = path.discretization.body.cells
-    for region in path.problem.term("structure").definition.regions:
+    for number, region in enumerate(path.problem.term("structure").definition.regions):
         valid = region.material.valid
         if valid is None:
             continue
@@ -243,7 +243,7 @@ def _strains(samples: EvaluationPoints):
         # the cell that is farthest beyond the range
         worst = int(np.maximum(valid[0] / least, largest / valid[1]).argmax())
         place = samples.undeformed[cells[own[worst]]].mean(axis=0)
-        name = f" {region.name!r}" if region.name else ""
+        name = _name_of(samples, number)
         yield Finding(
             f"{100.0 * outside.mean():.2g} % of the cells of the material{name} are strained "
             f"beyond the range of its constants (stretches {valid[0]:g} to {valid[1]:g}): "
@@ -256,36 +256,46 @@ def _strains(samples: EvaluationPoints):
 def _volume(samples: EvaluationPoints):
     """Report inverted material, and material that has lost more volume than it can."""
     change = samples.volume_change
-    slight, none = _least_volumes(samples)
     # det F; NaN counts as the least
     least = np.where(np.isnan(change), -np.inf, change)
     # the exact strain is infinite at the end of a fixed edge: refinement inverts more of it
     beside = beside_fixed_ends(samples, samples.undeformed)
-    if beside.any() and not (corner := least[beside].min()) > slight:
-        worst = int(np.flatnonzero(beside & (least == corner))[0])
-        yield Finding(
-            f"material is {_squeezed(corner)} at the end of a fixed edge: det F = {corner:.2g} "
-            f"(volume ratio) at {_at(samples.undeformed[worst])} (undeformed coordinates); this hardly "
-            f"changes the forces, but {LEAVE_OUT}",
-            False,
-            meaningless=True,
-            place=samples.undeformed[worst],
-        )
-    worst = int(np.argmin(np.where(beside, np.inf, least)))
-    if not least[worst] > slight and not beside[worst]:
-        yield Finding(
-            f"material is {_squeezed(change[worst])} between the quadrature points: det F = "
-            f"{change[worst]:.2g} at {_at(samples.undeformed[worst])} (undeformed coordinates), so the "
-            f"stress there is meaningless; {_volume_cure(samples)}",
-            not change[worst] > none,
-            meaningless=True,
-            place=samples.undeformed[worst],
-        )
+    for number in range(len(samples.keeps_volume)):
+        own, (slight, none) = samples.regions == number, _least_volumes(samples, number)
+        name = _name_of(samples, number)
+        corner = least[own & beside].min(initial=np.inf)
+        if not corner > slight:
+            worst = int(np.flatnonzero(own & beside & (least == corner))[0])
+            yield Finding(
+                f"material{name} is {_squeezed(corner)} at the end of a fixed edge: det F = "
+                f"{corner:.2g} (volume ratio) at {_at(samples.undeformed[worst])} (undeformed "
+                f"coordinates); this hardly changes the forces, but {LEAVE_OUT}",
+                False,
+                meaningless=True,
+                place=samples.undeformed[worst],
+            )
+        inside = own & ~beside
+        if not least[inside].min(initial=np.inf) > slight:
+            worst = int(np.argmin(np.where(inside, least, np.inf)))
+            yield Finding(
+                f"material{name} is {_squeezed(change[worst])} between the quadrature points: det F = "
+                f"{change[worst]:.2g} at {_at(samples.undeformed[worst])} (undeformed coordinates), so "
+                f"the stress there is meaningless; {_volume_cure(samples, number)}",
+                not change[worst] > none,
+                meaningless=True,
+                place=samples.undeformed[worst],
+            )
 
 
-def _least_volumes(samples: EvaluationPoints) -> tuple[float, float]:
-    """Return det F below which it is reported, and is not admissible."""
-    return (SHALLOW_VOLUME, NO_VOLUME) if samples.keeps_volume else (SOLID_VOLUME, 0.0)
+def _least_volumes(samples: EvaluationPoints, number: int) -> tuple[float, float]:
+    """Return det F of a region below which it is reported, and is not admissible."""
+    return (SHALLOW_VOLUME, NO_VOLUME) if samples.keeps_volume[number] else (SOLID_VOLUME, 0.0)
+
+
+def _name_of(samples: EvaluationPoints, number: int) -> str:
+    """Return the name of a region's material in quotes after a space; empty if it is the only one."""
+    name = samples.path.problem.term("structure").definition.regions[number].name
+    return f" {name!r}" if name else ""
 
 
 def squeezed_corner(samples: EvaluationPoints) -> str:
@@ -293,26 +303,32 @@ def squeezed_corner(samples: EvaluationPoints) -> str:
     most at the last converged step of a path; empty where it is not compressed beyond what is reported.
     """
     disc = samples.path.discretization
-    least, text = _least_volumes(samples)[0], ""
+    slight = [_least_volumes(samples, number)[0] for number in range(len(samples.keeps_volume))]
+    # points that are not below the threshold of their own material do not count
+    change = samples.volume_change
+    reported = np.where(change < np.array(slight)[samples.regions], change, np.inf)
+    least, text = np.inf, ""
     for corner in singular_points(disc.body, disc.particles):
         if corner.kind != REENTRANT_CORNER:
             continue
         away = np.hypot(*(samples.undeformed - corner.place).T)
-        change = samples.volume_change[away <= AT_CORNER * corner.spacing].min()
-        if change < least:
-            least = change
+        near = np.where(away <= AT_CORNER * corner.spacing, reported, np.inf)
+        worst = int(near.argmin())
+        if (change := near[worst]) < least:
+            least, name = change, _name_of(samples, samples.regions[worst])
             text = (
-                f"material is {_squeezed(change)} at the re-entrant corner at "
+                f"material{name} is {_squeezed(change)} at the re-entrant corner at "
                 f"{_at(corner.place)} (undeformed coordinates): det F = {change:.2g}; round this "
                 "corner (at the vertex of a notch smaller particle spacings do not help)"
             )
     return text
 
 
-def _volume_cure(samples: EvaluationPoints) -> str:
-    """Advise on a volume change: more quadrature points at a high pressure, else as at a corner."""
+def _volume_cure(samples: EvaluationPoints, number: int) -> str:
+    """Advise on a volume change of a region: more quadrature points at a high pressure, else as at a
+    corner."""
     points = min(in_both_directions(samples.path.discretization.body.n_gauss))
-    pressure = samples.largest_pressure
+    pressure = samples.largest_pressure(number)
     if points > 2 or not pressure > HIGH_PRESSURE:
         return CURE
     return (

@@ -26,10 +26,8 @@ def creases(samples: EvaluationPoints) -> str:
     """Describe the free segment of the boundary with the smallest ratio of its stretch to that at which
     creases form if that is below 1; else return an empty text.
 
-    Empty for compressible materials, such as foam, too.
+    Segments of compressible materials, such as foam, form none.
     """
-    if not samples.keeps_volume:
-        return ""
     chains = samples.chains
     ends = chains[:, [0, -1]]
     # stretch of a side between two particles: |x_b - x_a| / |X_b - X_a|
@@ -37,7 +35,10 @@ def creases(samples: EvaluationPoints) -> str:
         np.hypot(*(x[ends[:, 1]] - x[ends[:, 0]]).T) for x in (samples.places, samples.undeformed)
     ]
     held = _touching(samples, chains, lengths[0]) | _held(samples, ends)
-    growth, across = _growth(samples, ends[:, 0]), _across(samples, chains)
+    # a side has the material of its middle; an end may lie on an interface
+    regions = samples.regions[chains[:, chains.shape[1] // 2]]
+    held |= ~samples.keeps_volume[regions]
+    growth, across = _growth(samples)[regions], _across(samples, chains)
     # l / theta below 0.647 / (h / theta)^(1/2)
     stretch, limit = lengths[0] / lengths[1], CREASES * growth * np.sqrt(growth / across)
     ratio = np.where(held, np.inf, stretch / limit)
@@ -53,11 +54,10 @@ def creases(samples: EvaluationPoints) -> str:
     )
 
 
-def _growth(samples: EvaluationPoints, particles) -> np.ndarray:
-    """Free growth theta of the materials at particles (m,) at the end of the path, shape (m,)."""
-    structure = samples.path.problem.term("structure")
-    growth = np.array([samples.growth(region) for region in structure.definition.regions])
-    return growth[structure.particle_regions[particles]]
+def _growth(samples: EvaluationPoints) -> np.ndarray:
+    """Free growth theta of the material of every region at the end of the path, shape (regions,)."""
+    regions = samples.path.problem.term("structure").definition.regions
+    return np.array([samples.growth(region) for region in regions])
 
 
 def _across(samples: EvaluationPoints, chains) -> np.ndarray:

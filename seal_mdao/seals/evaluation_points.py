@@ -138,21 +138,29 @@ class EvaluationPoints:
         # the middles of the cells are the last points
         return self.stretches[-len(self.path.discretization.body.cells) :]
 
-    @property
-    def keeps_volume(self) -> bool:
-        """Whether all materials are nearly incompressible: K > 10 G."""
-        materials = [r.material for r in self.path.problem.term("structure").definition.regions]
-        return all(m.bulk_modulus > KEEPS_VOLUME * m.shear_modulus for m in materials)
+    @cached_property
+    def regions(self) -> np.ndarray:
+        """Number of the region of every point, on an interface the last one, shape (N,)."""
+        structure, (outer, inner) = self.path.problem.term("structure"), self.sides
+        sides = np.vstack([np.repeat(outer, len(SHARES), axis=0), inner])
+        return np.concatenate([
+            structure.particle_regions, structure.side_regions(sides), structure.cell_regions
+        ])  # fmt: skip
 
     @cached_property
-    def largest_pressure(self) -> float:
-        """Largest hydrostatic pressure at the quadrature points, over the largest shear modulus."""
+    def keeps_volume(self) -> np.ndarray:
+        """Whether the material of every region is nearly incompressible, K > 10 G, shape (regions,)."""
+        materials = [r.material for r in self.path.problem.term("structure").definition.regions]
+        return np.array([m.bulk_modulus > KEEPS_VOLUME * m.shear_modulus for m in materials])
+
+    def largest_pressure(self, number: int) -> float:
+        """Largest hydrostatic pressure at the quadrature points of a region, over its shear modulus."""
         structure, step = self.path.problem.term("structure"), self.path.steps[-1]
+        region = structure.definition.regions[number]
         # -p = -K* sum_h N_h s_h, positive in compression
         tension = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
-        return float(-tension.min()) / max(
-            region.material.shear_modulus for region in structure.definition.regions
-        )
+        own = structure.by_cell(tension)[..., region.at, :]
+        return float(-own.min()) / region.material.shear_modulus
 
     @cached_property
     def wall(self) -> float:

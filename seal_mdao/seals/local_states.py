@@ -62,25 +62,27 @@ def meaningless_states(samples: EvaluationPoints):
     path, body = samples.path, samples.path.discretization.body
     places = body.samples.at(samples.path.discretization.particles)
     stress = particle_stress(path, np.arange(len(places))).value
-    shear = max(
-        region.material.shear_modulus
-        for region in path.problem.term("structure").definition.regions
-    )
+    structure = path.problem.term("structure")
+    moduli = np.array([region.material.shear_modulus for region in structure.definition.regions])
+    # stress over the shear modulus of the own material
+    ratio = stress / moduli[structure.sample_regions]
     # NaN counts as the largest, but at the end of a fixed edge
     unknown = np.where(beside_fixed_ends(samples, places), 0.0, np.inf)
-    worst = int(np.argmax(np.where(np.isnan(stress), unknown, stress)))
+    worst = int(np.argmax(np.where(np.isnan(ratio), unknown, ratio)))
     if np.isnan(stress[worst]):
         yield (
             f"the von Mises stress cannot be computed {_where(places[worst])}, because the "
             f"material is inverted there (det F < 0); {cure_at(samples, places[worst])}",
             places[worst],
         )
-    elif stress[worst] > LARGEST_STRESS * shear:
-        # the twelve nearest samples, without the point itself
-        near = np.median(stress[cKDTree(places).query(places[worst], k=13)[1][1:]])
+    elif ratio[worst] > LARGEST_STRESS:
+        # the twelve nearest samples, without the point itself, of the same material if it has as many
+        own = np.flatnonzero(structure.sample_regions == structure.sample_regions[worst])
+        own = own if len(own) >= 13 else np.arange(len(places))
+        near = np.median(stress[own[cKDTree(places[own]).query(places[worst], k=13)[1][1:]]])
         if not stress[worst] <= ABOVE_NEIGHBOURS * near:
             yield (
-                f"the von Mises stress is {stress[worst]:.3g} kPa, {stress[worst] / shear:.0f} "
+                f"the von Mises stress is {stress[worst]:.3g} kPa, {ratio[worst]:.0f} "
                 f"times the shear modulus, {_where(places[worst])}, but only {near:.3g} kPa at "
                 "the points around it: the background cells at this point are distorted, and "
                 f"this stress is meaningless; {cure_at(samples, places[worst])}",

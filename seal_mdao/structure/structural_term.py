@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.materials import hoop_stretch, stretch_and_growth
+from seal_mdao.rkpm.visibility import parts_of_sides
 from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
@@ -273,26 +274,24 @@ class StructuralTerm(Term):
         return out
 
     @cached_property
+    def cell_regions(self) -> np.ndarray:
+        """Number of the region of every cell, shape (n_cells,)."""
+        numbers = range(len(self.definition.regions))
+        return self.definition.per_cell(numbers, len(self.discretization.body.cells), int)
+
+    def side_regions(self, sides: np.ndarray) -> np.ndarray:
+        """Number of the region of sides (m, 2) of cells; between two regions the last one."""
+        return parts_of_sides(self.discretization.body.cells, self.cell_regions, sides)
+
+    @cached_property
     def sample_regions(self) -> np.ndarray:
         """Number of the region of every one of ``Body.samples``; between two regions the last one."""
-        regions, body = self.definition.regions, self.discretization.body
-        cell_regions = np.zeros(len(body.cells), int)
-        for number, region in enumerate(regions):
-            cell_regions[region.at] = number
-        n, m = body.n_particles, len(body.cells)
+        body = self.discretization.body
         # midpoints of sides follow the particles, centres of cells come last
-        ends = np.sort(body.samples.anchors[n:-m, :2], axis=1)
-        sides = np.zeros(len(ends), int)
-        # sides are in the order of their two particles
-        pair_number = ends[:, 0] * n + ends[:, 1]
-        for corner in range(4):
-            pair = np.sort(
-                np.column_stack([body.cells[:, corner], body.cells[:, corner - 3]]), axis=1
-            )
-            real = pair[:, 0] != pair[:, 1]
-            which = np.searchsorted(pair_number, pair[real, 0] * n + pair[real, 1])
-            np.maximum.at(sides, which, cell_regions[real])
-        return np.concatenate([self.particle_regions, sides, cell_regions])
+        sides = body.samples.anchors[body.n_particles : -len(body.cells), :2]
+        return np.concatenate([
+            self.particle_regions, self.side_regions(sides), self.cell_regions
+        ])  # fmt: skip
 
     def deformation_of(self, d: np.ndarray, fractions) -> Deformation:
         """Deformation at displacement fields (K, n, 2) that are known to be admissible, at path
