@@ -306,7 +306,8 @@ def _no_decrease(cloud: Cloud, before: Cloud) -> ValueError:
         f"the estimated numerical error of {worst.name} does not decrease with the spacing: "
         f"{_particle_error(before, worst.name):.2%} with {before.file.section.spacing:g} mm, "
         f"{worst.particles:.2%} with {cloud.file.section.spacing:g} mm; "
-        "stresses and pressures at sharp corners and at ends of fixed edges do not converge; "
+        "stresses and pressures at sharp corners and at ends of fixed edges and of interfaces between "
+        "materials do not converge; "
         "exclude these points (away_from_singular of [[measure]]), or name other measures in "
         "accuracy of [section]"
     )

@@ -16,7 +16,7 @@ from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.loads.fluid_pressure import FluidPressureTerm
-from seal_mdao.measures.singular_points import REENTRANT_CORNER, singular_points
+from seal_mdao.measures.singular_points import REENTRANT_CORNER
 from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.arbitrary_side import arbitrary_side
 from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
@@ -25,8 +25,9 @@ from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import (
     CURE,
     LEAVE_OUT,
-    beside_fixed_ends,
+    ends_of_bonds,
     meaningless_states,
+    section_singular_points,
 )
 from seal_mdao.seals.lost_bodies import lost_bodies
 from seal_mdao.seals.missing_contact import buried_edges, same_profiles
@@ -258,8 +259,9 @@ def _volume(samples: EvaluationPoints):
     change = samples.volume_change
     # det F; NaN counts as the least
     least = np.where(np.isnan(change), -np.inf, change)
-    # the exact strain is infinite at the end of a fixed edge: refinement inverts more of it
-    beside = beside_fixed_ends(samples, samples.undeformed)
+    # the exact strain is infinite at the end of a bond: refinement inverts more of it
+    kinds = ends_of_bonds(samples, samples.undeformed)
+    beside = kinds != ""
     for number in range(len(samples.keeps_volume)):
         own, (slight, none) = samples.regions == number, _least_volumes(samples, number)
         name = _name_of(samples, number)
@@ -267,8 +269,8 @@ def _volume(samples: EvaluationPoints):
         if not corner > slight:
             worst = int(np.flatnonzero(own & beside & (least == corner))[0])
             yield Finding(
-                f"material{name} is {_squeezed(corner)} at the end of a fixed edge: det F = "
-                f"{corner:.2g} (volume ratio) at {_at(samples.undeformed[worst])} (undeformed "
+                f"material{name} is {_squeezed(corner)} at {kinds[worst]}: det F = {corner:.2g} "
+                f"(volume ratio) at {_at(samples.undeformed[worst])} (undeformed "
                 f"coordinates); this hardly changes the forces, but {LEAVE_OUT}",
                 False,
                 meaningless=True,
@@ -302,13 +304,12 @@ def squeezed_corner(samples: EvaluationPoints) -> str:
     """Describe the re-entrant corner, such as the vertex of a notch, at which material is compressed
     most at the last converged step of a path; empty where it is not compressed beyond what is reported.
     """
-    disc = samples.path.discretization
     slight = [_least_volumes(samples, number)[0] for number in range(len(samples.keeps_volume))]
     # points that are not below the threshold of their own material do not count
     change = samples.volume_change
     reported = np.where(change < np.array(slight)[samples.regions], change, np.inf)
     least, text = np.inf, ""
-    for corner in singular_points(disc.body, disc.particles):
+    for corner in section_singular_points(samples.path):
         if corner.kind != REENTRANT_CORNER:
             continue
         away = np.hypot(*(samples.undeformed - corner.place).T)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from seal_mdao import values
-from seal_mdao.measures.singular_points import FIXED_END, singular_points
+from seal_mdao.measures.singular_points import REENTRANT_CORNER, singular_points
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.structure.particle_stress import particle_stress
 
@@ -24,24 +24,34 @@ ABOVE_NEIGHBOURS = 5.0
 NEAR = 2.0
 """Distance from a singular point, in spacings there, within which a stress is that of the point."""
 BESIDE = 1.0
-"""Distance from the end of a fixed edge, in spacings there, within which its singularity may invert
-points between the particles. On a bonded half disc and a bonded gasket no point farther away does."""
+"""Distance from the end or a corner of a bond, in spacings there, within which its singularity may
+invert points between the particles. On a bonded half disc and a bonded gasket no point farther away
+does."""
 CURE = "round the corner, use a smaller spacing or more layers there, or use less travel"
 LEAVE_OUT = (
     "the exact stress at this point is infinite, so the computed stress grows with refinement; "
     "exclude this point from stress measures (away_from_singular of von_mises)"
 )
-"""What to do at the end of a fixed edge, which no refinement cures."""
+"""What to do at the end or a corner of a bond, which no refinement cures."""
 
 
-def beside_fixed_ends(samples: EvaluationPoints, points: np.ndarray) -> np.ndarray:
-    """Find the points (k, 2) within ``BESIDE`` spacings of the end of a fixed edge, a mask (k,)."""
-    disc, beside = samples.path.discretization, np.zeros(len(points), bool)
-    for end in singular_points(disc.body, disc.particles):
-        if end.kind == FIXED_END:
-            # |X - X_s| <= BESIDE h_s
-            beside |= np.linalg.norm(points - end.place, axis=1) <= BESIDE * end.spacing
-    return beside
+def ends_of_bonds(samples: EvaluationPoints, points: np.ndarray) -> np.ndarray:
+    """Find the kind of the singular point within ``BESIDE`` spacings at which a bond to a rigid body, or
+    between two materials, ends or has a corner, for points (k, 2); empty texts elsewhere, shape (k,)."""
+    kinds, least = np.full(len(points), "", object), np.full(len(points), BESIDE)
+    for end in section_singular_points(samples.path):
+        if end.kind != REENTRANT_CORNER:
+            # |X - X_s| <= BESIDE h_s; the nearest one counts
+            distance = np.linalg.norm(points - end.place, axis=1) / end.spacing
+            kinds[distance <= least] = end.kind
+            least = np.minimum(least, distance)
+    return kinds
+
+
+def section_singular_points(path):
+    """Find the singular points of the undeformed section of a path."""
+    disc, structure = path.discretization, path.problem.term("structure")
+    return singular_points(disc.body, disc.particles, structure.definition)
 
 
 def meaningless_states(samples: EvaluationPoints):
@@ -49,7 +59,7 @@ def meaningless_states(samples: EvaluationPoints):
     line each, with the undeformed point (2,), mm.
 
     The stress of inverted material at the end of a fixed edge is not a number; ``seals.checks`` reports
-    it by the volume change.
+    it by the volume change; so is that at the end or a corner of an interface.
     """
     found = largest_stretch(samples)
     if not found.value <= LARGEST_STRETCH:
@@ -66,8 +76,8 @@ def meaningless_states(samples: EvaluationPoints):
     moduli = np.array([region.material.shear_modulus for region in structure.definition.regions])
     # stress over the shear modulus of the own material
     ratio = stress / moduli[structure.sample_regions]
-    # NaN counts as the largest, but at the end of a fixed edge
-    unknown = np.where(beside_fixed_ends(samples, places), 0.0, np.inf)
+    # NaN counts as the largest, but at the end of a bond
+    unknown = np.where(ends_of_bonds(samples, places) != "", 0.0, np.inf)
     worst = int(np.argmax(np.where(np.isnan(ratio), unknown, ratio)))
     if np.isnan(stress[worst]):
         yield (
@@ -92,7 +102,7 @@ def meaningless_states(samples: EvaluationPoints):
 
 def cure_at(samples: EvaluationPoints, point: np.ndarray) -> str:
     """Describe the remedy for an inadmissible state at an undeformed point."""
-    return LEAVE_OUT if beside_fixed_ends(samples, point[None]).any() else CURE
+    return LEAVE_OUT if ends_of_bonds(samples, point[None])[0] else CURE
 
 
 class Largest(NamedTuple):
@@ -141,7 +151,7 @@ def stress_peak(result) -> StressPeak:
     """Find the largest von Mises stress at the end of a completed path, with that away from singular
     points."""
     places, stress = result.section_stress()
-    points = singular_points(result.path.discretization.body, result.particles)
+    points = section_singular_points(result.path)
     worst, away, kind, least = int(stress.argmax()), np.ones(len(stress), bool), "", NEAR
     for point in points:
         # distance of every sample in spacings at the point

@@ -16,6 +16,7 @@ from seal_mdao.seals import checks
 from seal_mdao.seals.checks import crosses_itself, findings
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.instabilities import instabilities
+from seal_mdao.seals.local_states import stress_peak
 from seal_mdao.seals.overlap import crossings
 
 REFERENCES = Path(__file__).parents[1] / "verification" / "references"
@@ -150,7 +151,8 @@ def test_base_of_a_thick_wall_is_singular_at_its_ends(inner):
 
 
 def test_inverted_material_elsewhere_is_no_result(bonded, monkeypatch):
-    monkeypatch.setattr(checks, "beside_fixed_ends", lambda samples, points: points[:, 0] > 1e3)
+    nowhere = lambda samples, points: np.full(len(points), "")  # noqa: E731
+    monkeypatch.setattr(checks, "ends_of_bonds", nowhere)
     found = impossible(replace(bonded, path=replace(bonded.path)))
     assert any("material is inverted between the quadrature points" in text for text in found)
 
@@ -252,6 +254,42 @@ def test_inverted_end_of_a_fixed_edge_is_named_and_admissible(bonded):
     assert (found.impossible, found.meaningless) == (False, True)
     assert not any("nan" in text for text in bonded.warnings)
     bonded.require_possible()
+
+
+def on_a_stiff_block(text: str) -> str:
+    """The half disc on a block of 10 x 2 mm of a rubber 500 times as stiff."""
+    rubber = text[text.index("[material.rubber]") : text.index("[section]")]
+    stiff = rubber.replace("rubber", "stiff").replace("= 80.0", "= 4e4").replace("= 20.0", "= 1e4")
+    below = '{ edge = "foot", line = [[-5, -2], [5, -2]] },'
+    below = '{ edge = "side", line = [[-5, 0], [-5, -2]] }, ' + below
+    region = (
+        '[[section.region]]\nmaterial = "stiff"\nat = [0, -1]\nline = [[-5, 0], [5, 0]]\n[fixed]'
+    )
+    for old, new in (
+        ("[section]", stiff.replace("= 80000.0", "= 4e7") + "[section]"),
+        ('{ edge = "foot", line = [[-5.0, 0.0], [5.0, 0.0]] },', below),
+        ('{ edge = "dome"', '{ edge = "other", line = [[5, -2], [5, 0]] }, { edge = "dome"'),
+        ("[fixed]", region),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    return text
+
+
+def test_compressed_end_of_an_interface_is_named_and_admissible(tmp_path, monkeypatch):
+    """As the end of a fixed edge: the more particles, the more of it is inverted."""
+    path = tmp_path / "block.toml"
+    path.write_text(on_a_stiff_block((REFERENCES / "half_disc.toml").read_text(encoding="utf-8")))
+    result = sm.analyze(sm.build_seal(path))
+    monkeypatch.setattr(checks, "NO_VOLUME", checks.SHALLOW_VOLUME)
+    (found,) = (own for own in findings(result.path) if "det F" in own.text)
+    assert "material 'rubber' is compressed at the end of an interface between mat" in found.text
+    assert re.search(r"x = -?5, y = 0.08", found.text)
+    assert "away_from_singular" in found.text
+    assert (found.impossible, found.meaningless) == (False, True)
+    peak = stress_peak(result)
+    assert peak.singular == "the end of an interface between materials"
+    assert np.hypot(np.abs(peak.elsewhere[1][0]) - 5.0, peak.elsewhere[1][1]) > 0.6
 
 
 def test_inverted_material_is_beside_the_ends_of_the_fixed_edge_alone(bonded):

@@ -13,7 +13,13 @@ from seal_mdao.seals import local_states
 from seal_mdao.seals.checks import findings
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.local_states import meaningless_states, stress_peak
+from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.particle_stress import particle_stress
+from seal_mdao.structure.region import Region
+
+RUBBER, STIFF = sm.MooneyRivlin(80.0, 20.0, 2e4), sm.MooneyRivlin(320.0, 80.0, 8e4)
+# the shear modulus of the rubber, and a Poisson's ratio of 0.36
+FOAM = sm.MooneyRivlin(80.0, 20.0, 600.0)
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +76,7 @@ def test_a_high_stress_all_around_is_not_that_of_a_point(pressed, monkeypatch):
 
 
 def test_ends_of_fixed_edges_and_reentrant_corners_are_singular():
-    found = singular_points(*l_shape())
+    found = singular_points(*l_shape(), ElasticBody((Region(RUBBER),)))
     assert sorted((*point.place, point.kind) for point in found) == [
         (0.0, 0.0, "the end of a fixed edge"), (1.0, 1.0, "a re-entrant corner"),
         (2.0, 0.0, "the end of a fixed edge"),
@@ -78,15 +84,71 @@ def test_ends_of_fixed_edges_and_reentrant_corners_are_singular():
     assert all(point.spacing == 1.0 for point in found)
 
 
+def inserts(numbers, materials, fixed=()):
+    """Points and kinds of a square grid of 3 x 3 cells of side 1, with the regions ``numbers`` (3, 3) of
+    the cells from below, the rows of particles ``fixed`` as (row, component)."""
+    x, y = np.meshgrid(np.arange(4.0), np.arange(4.0))
+    particles = np.column_stack([x.ravel(), y.ravel()])
+    lower = (np.arange(3)[:, None] * 4 + np.arange(3)).ravel()
+    cells = lower[:, None] + [0, 1, 5, 4]
+    prescribed = np.zeros((16, 2), bool)
+    for row, component in fixed:
+        prescribed[4 * row : 4 * row + 4, component] = True
+    numbers = np.ravel(numbers)
+    regions = [Region(own, np.flatnonzero(numbers == k)) for k, own in enumerate(materials)]
+    body = SimpleNamespace(cells=cells, fixed=prescribed)
+    found = singular_points(body, particles, ElasticBody(tuple(regions)))
+    return sorted((*point.place.tolist(), point.kind) for point in found)
+
+
+END, CORNER = (
+    "the end of an interface between materials",
+    "a corner of an interface between materials",
+)
+
+
+def test_ends_and_corners_of_interfaces_are_singular():
+    """A layer, and an insert at the left side; order and material of the regions do not matter."""
+    layer = [[0] * 3, [1] * 3, [1] * 3]
+    assert inserts(layer, (RUBBER, STIFF)) == [(0.0, 1.0, END), (3.0, 1.0, END)]
+    insert = [[0, 0, 0], [1, 0, 0], [0, 0, 0]]
+    expected = [(0.0, 1.0, END), (0.0, 2.0, END), (1.0, 1.0, CORNER), (1.0, 2.0, CORNER)]
+    assert inserts(insert, (RUBBER, STIFF)) == expected
+    assert inserts(insert, (STIFF, RUBBER)) == expected
+    assert inserts(insert, (RUBBER, FOAM)) == expected
+    # three materials: a junction
+    junction = [[0, 0, 0], [1, 2, 2], [1, 2, 2]]
+    both = inserts(junction, (RUBBER, STIFF, FOAM))
+    assert (1.0, 1.0, CORNER) in both
+    assert len(both) == 4
+
+
+def test_interfaces_of_one_stiffness_are_not_singular():
+    layer = [[0] * 3, [1] * 3, [1] * 3]
+    for factor in (1.0, 1.2, 1.3, 1.0 / 1.2, 1.0 / 1.3):
+        other = RUBBER.with_(c10=80.0 * factor, c01=20.0 * factor)
+        assert bool(inserts(layer, (RUBBER, other))) == (not 0.8 <= factor <= 1.25)
+
+
+def test_interfaces_across_planes_of_symmetry_are_not_singular():
+    """Square to them; they end as singular points at edges that are fixed in both directions."""
+    layer = [[0, 1, 1]] * 3
+    planes = ((0, 1), (3, 1))
+    assert inserts(layer, (RUBBER, STIFF), planes) == []
+    kinds = [kind for *_, kind in inserts(layer, (RUBBER, STIFF), (*planes, (0, 0)))]
+    assert kinds.count(END) == 1
+    assert kinds.count("the end of a fixed edge") == 2
+
+
 def test_largest_stress_at_a_singular_point_is_named_with_that_elsewhere():
     body, particles = l_shape()
     particles = 3.0 * particles
     places = np.vstack([particles, [[3.1, 3.1], [6.0, 100.0]]])
     stress = np.append(np.linspace(1.0, 2.0, len(particles)), [9.0, 5.0])
-    result = SimpleNamespace(
-        particles=particles, path=SimpleNamespace(discretization=SimpleNamespace(body=body)),
-        section_stress=lambda: (places, stress),
-    )  # fmt: skip
+    disc = SimpleNamespace(body=body, particles=particles)
+    elastic = SimpleNamespace(definition=ElasticBody((Region(RUBBER),)))
+    path = SimpleNamespace(discretization=disc, problem=SimpleNamespace(term=lambda _: elastic))
+    result = SimpleNamespace(path=path, section_stress=lambda: (places, stress))
     peak = stress_peak(result)
     assert (peak.stress, peak.singular) == (9.0, "a re-entrant corner")
     assert peak.elsewhere[0] == 5.0

@@ -75,7 +75,8 @@ def stress_error(result: SealResult, fine: SealResult, away: float) -> float:
     """
     places, stress = result.section_stress()
     exact = LinearNDInterpolator(*fine.section_stress())(places)
-    singular = singular_points(result.seal.body, result.seal.nominal_particles)
+    seal = result.seal
+    singular = singular_points(seal.body, seal.nominal_particles, seal.definitions[0])
     # outside of the triangles of the finer samples there is no value
     used = np.isfinite(exact)
     if singular:

@@ -280,8 +280,9 @@ class VonMisesTable(MeasureTable):
         None,
     )
     away_from_singular: number("mm", above=0.0) | None = key(
-        "excludes points within this distance from the end of a fixed edge or a sharp "
-        "re-entrant corner, where the exact stress is infinite",
+        "excludes points within this distance from the end of a fixed edge, a sharp re-entrant "
+        "corner, or the end or a corner of an interface between materials of different stiffness, "
+        "where the exact stress is infinite",
         None,
     )
     at: Sites | None = key("points: the stress of the nearest particles", None)
