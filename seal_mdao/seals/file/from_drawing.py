@@ -76,7 +76,7 @@ translate = [0.0, {travel:.5g}]  # the clearance, then {squeeze:.2g} % of the he
 type = "contact_width"
 [[measure]]
 type = "von_mises"
-away_from_singular = {spacing:.3g}  # mm from ends of fixed edges and interfaces, and corners (infinite stress)
+away_from_singular = {spacing:.3g}  # mm from ends of edges and interfaces, and corners (infinite stress)
 
 # To optimise the shape, take the "#" away and name the edges that may move.
 # [[design]]
