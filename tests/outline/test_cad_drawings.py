@@ -223,7 +223,8 @@ def test_curved_parting_lines_are_followed_by_straight_sides(tmp_path):
 
 
 @pytest.mark.parametrize(("lines", "words"), [
-    ([((0, 2), (9.99, 2))], "ends at (9.99, 2), 0.01 mm away from the boundary"),
+    ([((0, 2), (9.99, 2))], "ends at (9.99, 2) inside the section, 0.01 mm away from its bou"),
+    ([((0, 2), (10.5, 2))], "away from its boundary; shorten it to the boundary"),
     ([((0, 2), (5, 2)), ((5, 2), (10, 2)), ((5, 2), (5, 10))], "3 ends of parting lines meet at (5, 2)"),
     ([((2, 2), (3, 2)), ((3, 2), (3, 3)), ((3, 3), (2, 2))], "is part of a closed parting line"),
     ([((0, 0), (0, 10))], "the parting line from (0, 0) to (0, 10) between two materials does not run"),

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from seal_mdao.errors import GeometryError
+from seal_mdao.seals.outline.arcs import Circle
 from seal_mdao.seals.outline.contours import Contour, Line, Outline
 from seal_mdao.seals.outline.parting import trimmed
 
@@ -40,3 +42,26 @@ def test_parts_of_a_line_beside_a_hole(between):
         np.testing.assert_allclose(part, expected, rtol=0.0, atol=1e-3)
         np.testing.assert_array_equal(part[[0, -1]], expected)
     assert [len(own.segments) for own in (outline.outer, *outline.holes)] == [6, 4]
+
+
+@pytest.mark.parametrize("line", [
+    # beside the hole, with a vertex at its corner and on its side, and at the outside
+    [(-6.0, 6.0), (-3.0, 5.0), (6.0, 6.0)], [(-6.0, 6.0), (0.0, 5.0), (6.0, 6.0)],
+    [(-6.0, 6.0), (0.0, 5.0004), (6.0, 6.0)], [(-6.0, 6.0), (0.0, 8.0), (6.0, 6.0)],
+    # the same beside a part of another line that crosses the hole
+    [(-6.0, 4.0), (3.0, 4.0), (4.5, 8.0), (6.0, 4.0)],
+])  # fmt: skip
+def test_a_line_that_touches_the_boundary_is_refused(line):
+    """The mesher cannot fill the wedges there."""
+    with pytest.raises(
+        GeometryError, match=r"^touches the boundary at .* without crossing it; let it"
+    ):
+        trimmed(Outline(OUTSIDE, (HOLE,)), line)
+
+
+def test_a_line_along_a_tangent_of_a_hole_is_refused():
+    hole = Contour((Circle((0.0, 3.0), 2.0, "cavity"),))
+    for height in (5.0, 5.0008):
+        with pytest.raises(GeometryError, match=r"touches the boundary at \(\S+, 5\)"):
+            trimmed(Outline(OUTSIDE, (hole,)), [(-6.0, height), (6.0, height)])
+    assert len(trimmed(Outline(OUTSIDE, (hole,)), [(-6.0, 5.01), (6.0, 5.01)])[1]) == 1

@@ -109,7 +109,7 @@ BAD = {
     "bent symmetry": (FIXED, FIXED + SYMMETRY.replace("base", "cavity"),
                       "[[symmetry]] 1: the edge 'cavity' in the list edges does not lie"),
     "region off": (FIXED, REGION.replace("2.5]", "1.0]") + FIXED,
-                   "[[section.region]] 1: line ends at (0, 1), 1 mm away from the boundary"),
+                   "[[section.region]] 1: line ends at (0, 1) inside the section, 1 mm away from its"),
     "region of none": (FIXED, REGION.replace('"foot"', '"foo"') + FIXED,
                        "[[section.region]] 1: material = 'foo', but there is no such material"),
     "region of its own": (FIXED, REGION.replace('"foot"', '"rubber"') + FIXED,

@@ -91,6 +91,20 @@ def test_a_point_outside_of_the_section_marks_no_part(tmp_path):
         sm.build_seal(sm.read_seal_file(path))
 
 
+def test_a_line_that_ends_at_a_hole_divides_nothing(tmp_path):
+    path = tmp_path / "block.toml"
+    line = "line = [[0.0, 2.0], [6.0, 2.0]]"
+    hole = (
+        '[[section.hole]]\nedge = "hole"\ncircle = { centre = [3.0, 2.0], radius = 0.8 }\n[fixed]'
+    )
+    text = block(0.8).replace(line, "line = [[0.0, 2.0], [2.2, 2.0]]").replace("[fixed]", hole)
+    path.write_text(text)
+    with pytest.raises(
+        sm.SealFileError, match="do not divide the section, so that all of it is in"
+    ):
+        sm.build_seal(path)
+
+
 def test_planes_stay_planes_in_a_design(tmp_path):
     path = tmp_path / "block.toml"
     design = '[[design]]\nedges = ["top"]\nparameters = 5\nbound = 0.3\n'

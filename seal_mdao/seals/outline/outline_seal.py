@@ -14,7 +14,7 @@ from seal_mdao.loads.moved_edges import ImposedMotions, MovedEdges
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
-from seal_mdao.rkpm.cells import kernel_supports
+from seal_mdao.rkpm.cells import bodies, kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
 from seal_mdao.seals.outline.design import (
@@ -318,6 +318,12 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
             )
     # cells of no other region belong to the rest
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
+    undivided = filled.parts.max() == bodies(filled.cells, len(filled.particles)).max()
+    if not remaining.size and undivided and any(region.lines for region in regions):
+        raise ValueError(
+            "the lines of [[section.region]] do not divide the section, so that all of it is in a "
+            "region; a line that ends at a hole must continue on the other side of this hole"
+        )
     if not remaining.size:
         raise ValueError(
             "every part of the section is in a [[section.region]]; remove one region, so that this "

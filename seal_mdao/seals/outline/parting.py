@@ -91,6 +91,7 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
         )
     along = curve.intersection(section.boundary).length > JOIN
     if not along and curve.difference(section.buffer(JOIN)).is_empty:
+        _require_clear(line, section)
         return outline, [line]
     inside = curve.intersection(section).difference(section.boundary)
     inside = shapely.line_merge(inside, directed=True)
@@ -105,7 +106,21 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
                 part[end] = own
                 continue
             outline, part[end] = _attached(outline, part[end], "crosses")
+        _require_clear(part, section)
     return outline, parts
+
+
+def _require_clear(part: np.ndarray, section) -> None:
+    """Raise GeometryError for a part (k, 2) that touches the boundary between its ends."""
+    curve = shapely.LineString(part)
+    for near in shapely.get_parts(section.boundary.intersection(curve.buffer(JOIN))):
+        at = near.representative_point()
+        # the boundary on both sides of an end is near the part, too
+        if all(near.distance(shapely.Point(end)) > JOIN for end in part[[0, -1]]):
+            raise GeometryError(
+                f"touches the boundary at {pair(at.coords[0])} without crossing it; let it end there, "
+                "or pass this point at a distance"
+            )
 
 
 def _distinct(part: np.ndarray) -> np.ndarray:
@@ -170,7 +185,7 @@ def _polyline(chain) -> np.ndarray:
 
 
 def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
-    """Find the joint of the boundary at a point; a segment is divided where there is none.
+    """Find the joint of the boundary at a point; divide a segment where there is none.
 
     ``verb`` says in messages what the line does there.
     """
@@ -187,9 +202,11 @@ def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
     ]
     distance, s, i, j = min(places)
     if distance > JOIN:
+        inside = outline.shape(FINE).contains(shapely.Point(point))
+        where, cure = ("inside", "extend") if inside else ("outside of", "shorten")
         raise GeometryError(
-            f"{verb} at {pair(point)}, {distance:.3g} mm away from the boundary; extend it to the "
-            "boundary"
+            f"{verb} at {pair(point)} {where} the section, {distance:.3g} mm away from its boundary; "
+            f"{cure} it to the boundary"
         )
     contours = list(outline.contours)
     segments = contours[i].segments
