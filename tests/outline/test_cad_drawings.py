@@ -230,6 +230,7 @@ def test_curved_parting_lines_are_followed_by_straight_sides(tmp_path):
     ([((0, 0), (0, 10))], "the parting line from (0, 0) to (0, 10) between two materials does not run"),
     ([((0, 7), (10, 7)), ((0, 5), (10, 9))], "the lines 1 and 3 between materials (parting lines) "
     "cross at (5, 7)"),
+    ([((0, 1), (10, 1)), ((10, 1), (4, 4)), ((4, 4), (4, 0))], "between two materials crosses itself"),
     ([((0, 6.005), (10, 6.005))],
      "crosses at (6, 6.005) on hole 1, 0.005 mm away from (6, 6), where segments of the boundary meet"),
 ])  # fmt: skip

@@ -6,7 +6,7 @@ import pytest
 from seal_mdao.errors import GeometryError
 from seal_mdao.seals.outline.arcs import Circle
 from seal_mdao.seals.outline.contours import Contour, Line, Outline
-from seal_mdao.seals.outline.parting import trimmed
+from seal_mdao.seals.outline.parting import check_uncrossed, trimmed
 
 
 def loop(points, edge):
@@ -65,3 +65,24 @@ def test_a_line_along_a_tangent_of_a_hole_is_refused():
         with pytest.raises(GeometryError, match=r"touches the boundary at \(\S+, 5\)"):
             trimmed(Outline(OUTSIDE, (hole,)), [(-6.0, height), (6.0, height)])
     assert len(trimmed(Outline(OUTSIDE, (hole,)), [(-6.0, 5.01), (6.0, 5.01)])[1]) == 1
+
+
+@pytest.mark.parametrize("other", [
+    [(-6.0, 1.0), (0.0, 2.0), (6.0, 3.0)], [(6.0, 3.0), (-6.0, 1.0)],
+    [(-6.0, 2.0), (-4.0, 1.0 + 1.0 / 3.0 + 5e-4), (0.0, 2.0), (6.0, 4.0)],
+])  # fmt: skip
+def test_two_lines_that_coincide_are_refused(other):
+    """Such as those of two regions beside each other; the mesher cannot fill the space between them."""
+    line = [(-6.0, 1.0), (6.0, 3.0)]
+    with pytest.raises(
+        GeometryError, match=r"the lines 1 and 2 .* coincide near .*; give a line betw"
+    ):
+        check_uncrossed([line, other])
+    # a common end is no coincidence
+    check_uncrossed([line, [(-6.0, 1.0), (6.0, 3.4)]])
+
+
+def test_a_line_that_crosses_itself_is_refused():
+    line = [(-6.0, 1.0), (4.0, 1.0), (4.0, 6.0), (0.0, 6.0), (0.0, 0.0)]
+    with pytest.raises(GeometryError, match="between two materials crosses itself"):
+        trimmed(Outline(OUTSIDE), line)

@@ -14,6 +14,9 @@ from seal_mdao.seals.outline.segments import pair
 FOLLOWED = 0.01
 """Largest distance of the straight sides of a parting line from its arcs and splines, mm."""
 
+COINCIDENT = 0.1
+"""Length along which two parting lines may be closer to each other than ``JOIN``, mm."""
+
 FINE = 1e-6
 """Largest distance of the straight sides of the boundary, which trim a parting line, from it, mm."""
 
@@ -76,10 +79,15 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
     Raises
     ------
     GeometryError
-        For a line that does not end on the boundary or does not run through the section, or a crossing
-        too close to the end of a segment. The message lacks its subject.
+        For a line that crosses itself, does not end on the boundary, touches it elsewhere, or does not
+        run through the section, or a crossing too close to the end of a segment. The message lacks its
+        subject.
     """
     line = np.array(line, float)
+    if not shapely.LineString(line).is_simple:
+        raise GeometryError(
+            f"from {pair(line[0])} to {pair(line[-1])} between two materials crosses itself"
+        )
     # both ends onto the boundary, which they may divide
     for end in (0, -1):
         outline, line[end] = _attached(outline, line[end], "ends")
@@ -129,8 +137,15 @@ def _distinct(part: np.ndarray) -> np.ndarray:
 
 
 def check_uncrossed(lines) -> None:
-    """Raise GeometryError for two parting lines (k, 2) that cross between their ends."""
+    """Raise GeometryError for two parting lines (k, 2) that cross between their ends or coincide."""
     for (i, one), (j, other) in combinations(enumerate(map(shapely.LineString, lines), 1), 2):
+        common = other.intersection(one.buffer(JOIN))
+        if common.length > COINCIDENT:
+            at = common.representative_point().coords[0]
+            raise GeometryError(
+                f"the lines {i} and {j} between materials (parting lines) coincide near {pair(at)}; "
+                "give a line between two regions once, with one of them"
+            )
         if one.crosses(other):
             at = one.intersection(other).representative_point().coords[0]
             raise GeometryError(
