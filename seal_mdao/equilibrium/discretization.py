@@ -80,8 +80,8 @@ class Body:
         Pairs of particles whose supports must not reach each other across a void, round a corner or
         across an interface (``rkpm.visibility.hidden_pairs`` of the nominal body).
     parts : ndarray of int, shape (n_cells,), or None
-        Part of the section that every cell belongs to, at whose interfaces shape functions end; None for
-        one part.
+        Number of the region (``structure.region``) of every cell, at whose interfaces shape functions
+        end; None for one region, or shape functions that do not end there.
     support_axes : ndarray, shape (n, 2, 2), or None
         Inverse half-widths of product kernels along the two directions of the cells
         (``rkpm.cells.support_axes``); None for round kernels.
@@ -152,8 +152,8 @@ class Body:
 
     @cached_property
     def samples(self) -> PointSet:
-        """Sample points: particles, midpoints of the sides of cells, centres of cells; those on
-        interfaces belong to the last part."""
+        """Sample points: particles, midpoints of the sides of cells, centres of cells, where those on
+        interfaces belong to the last part; then those on interfaces once more for every other part."""
         # each side once; the repeated corner of a triangle gives no side
         pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
         sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
@@ -165,7 +165,18 @@ class Body:
             last = np.zeros(self.n_particles, int)
             np.maximum.at(last, self.cells, self.parts[:, None])
             at_sides = parts_of_sides(self.cells, self.parts, sides)
-            parts = np.concatenate([last, at_sides, self.parts])
+            particle, of_particle = np.nonzero(self._in_parts)
+            other = of_particle != last[particle]
+            # the other part of a side between two is the first one
+            most = self.parts.max()
+            first = most - parts_of_sides(self.cells, most - self.parts, sides)
+            between = first != at_sides
+            anchors = np.vstack([
+                anchors, particles[particle[other]], np.tile(sides[between], 2)
+            ])  # fmt: skip
+            parts = np.concatenate([
+                last, at_sides, self.parts, of_particle[other], first[between]
+            ])  # fmt: skip
         return PointSet(anchors, np.full(anchors.shape, 0.25), 1, parts=parts)
 
     @cached_property

@@ -52,7 +52,8 @@ def particle_stress(path, points: np.ndarray, step=None) -> PointStress:
     """Von Mises stress at ``points`` (s,) of ``Body.samples``, the particles first, at a converged step
     (the last).
 
-    At a point between two materials it is that of the region named last.
+    At a particle between two materials it is that of the region named last; ``Body.samples`` have it
+    in every one of them.
     """
     disc, structure = path.discretization, path.problem.term("structure")
     step = path.steps[-1] if step is None else step

@@ -285,8 +285,11 @@ class StructuralTerm(Term):
 
     @cached_property
     def sample_regions(self) -> np.ndarray:
-        """Number of the region of every one of ``Body.samples``; between two regions the last one."""
+        """Number of the region of every one of ``Body.samples``; between two regions the last one where
+        the body has no parts."""
         body = self.discretization.body
+        if body.parts is not None:
+            return body.samples.parts
         # midpoints of sides follow the particles, centres of cells come last
         sides = body.samples.anchors[body.n_particles : -len(body.cells), :2]
         return np.concatenate([

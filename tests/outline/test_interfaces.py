@@ -153,6 +153,29 @@ def von_mises(law, stretch):
     return abs(2.0 * by_t * (stretch**2 - 1.0) / stretch).item()
 
 
+def test_largest_stress_does_not_depend_on_the_order_of_the_regions(tmp_path):
+    """The stress on the interface is that of each material, whichever is named last."""
+    text = laminate(2.0).replace('[[symmetry]]\nedges = ["left", "right"]\nnormal = "x"\n', "")
+    for old, new in (('directions = ["y"]\n', ""), ("[0, -0.8]", "[0.5, -0.8]")):
+        text = text.replace(old, new)
+    text += '[[measure]]\ntype = "von_mises"\nexcess = 0.01\n'
+    other = text.replace('material = "soft"', 'material = "STIFF"').replace("3.9]", "0.1]")
+    other = other.replace('material = "stiff"', 'material = "soft"').replace("STIFF", "stiff")
+    results = [sm.analyze(seal_of(tmp_path, own)) for own in (text, other)]
+    one, both = ([r.value(r.measure(n))[0] for r in results] for n in ("reaction", "von_mises"))
+    assert one[0] == pytest.approx(one[1], rel=1e-9)
+    assert both[0] == pytest.approx(both[1], rel=1e-9)
+    for result in results:
+        places, stress = result.section_stress()
+        regions = result.term("structure").sample_regions
+        found = [
+            stress[(np.abs(places[:, 1] - 2.0) < 1e-9) & (regions == number)] for number in (0, 1)
+        ]
+        # all particles and midpoints of the interface, in both materials
+        assert len(found[0]) == len(found[1]) > 10
+        assert abs(found[0].max() / found[1].max() - 1.0) > 0.1
+
+
 MESH = """
 [material.soft]
 sponge = "2A2"
