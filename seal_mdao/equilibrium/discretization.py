@@ -154,9 +154,7 @@ class Body:
     def samples(self) -> PointSet:
         """Sample points: particles, midpoints of the sides of cells, centres of cells, where those on
         interfaces belong to the last part; then those on interfaces once more for every other part."""
-        # each side once; the repeated corner of a triangle gives no side
-        pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
-        sides = np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+        sides = self._sides
         # each point is the mean of four anchors: X = 1/4 sum_a X_a (repeated where it has fewer)
         particles = np.repeat(np.arange(self.n_particles)[:, None], 4, axis=1)
         anchors = np.vstack([particles, np.tile(sides, 2), self.cells])
@@ -165,19 +163,36 @@ class Body:
             last = np.zeros(self.n_particles, int)
             np.maximum.at(last, self.cells, self.parts[:, None])
             at_sides = parts_of_sides(self.cells, self.parts, sides)
-            particle, of_particle = np.nonzero(self._in_parts)
-            other = of_particle != last[particle]
-            # the other part of a side between two is the first one
-            most = self.parts.max()
-            first = most - parts_of_sides(self.cells, most - self.parts, sides)
-            between = first != at_sides
-            anchors = np.vstack([
-                anchors, particles[particle[other]], np.tile(sides[between], 2)
-            ])  # fmt: skip
-            parts = np.concatenate([
-                last, at_sides, self.parts, of_particle[other], first[between]
-            ])  # fmt: skip
+            others, of_others = self.on_interfaces
+            anchors = np.vstack([anchors, others])
+            parts = np.concatenate([last, at_sides, self.parts, of_others])
         return PointSet(anchors, np.full(anchors.shape, 0.25), 1, parts=parts)
+
+    @cached_property
+    def _sides(self) -> np.ndarray:
+        """Particles at the ends of every side of the cells, each side once, shape (m, 2)."""
+        pairs = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
+        # the repeated corner of a triangle gives no side
+        return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
+
+    @cached_property
+    def on_interfaces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Anchors (k, 4) of the particles and midpoints of sides on interfaces, for every part but the
+        last one at each, and these parts (k,)."""
+        if self.parts is None:
+            return np.empty((0, 4), int), np.empty(0, int)
+        particle, of_particle = np.nonzero(self._in_parts)
+        # the last part is followed by that of the next particle
+        last = np.append(particle[1:] != particle[:-1], True)
+        # the other part of a side between two is the first one
+        most = self.parts.max()
+        at_sides = parts_of_sides(self.cells, self.parts, self._sides)
+        first = most - parts_of_sides(self.cells, most - self.parts, self._sides)
+        between = first != at_sides
+        anchors = np.vstack([
+            np.repeat(particle[~last, None], 4, axis=1), np.tile(self._sides[between], 2)
+        ])  # fmt: skip
+        return anchors, np.concatenate([of_particle[~last], first[between]])
 
     @cached_property
     def _in_parts(self) -> np.ndarray:

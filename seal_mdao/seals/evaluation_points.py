@@ -42,7 +42,8 @@ class EvaluationPoints:
 
     @cached_property
     def _between(self):
-        """Points of the outer sides, middles of inner sides, and of the cells, as a shape table."""
+        """Points of the outer sides, middles of inner sides, points on interfaces once more for every
+        part but the last, and middles of the cells, as a shape table."""
         disc = self.path.discretization
         if disc not in _BETWEEN:
             _BETWEEN[disc] = disc.sloped_table(self._between_particles())
@@ -53,8 +54,9 @@ class EvaluationPoints:
         (outer, inner), cells = self.sides, disc.body.cells
         share = np.tile(SHARES, len(outer))
         ends = np.repeat(outer, len(SHARES), axis=0)
+        others, of_others = disc.body.on_interfaces
         anchors = np.vstack([
-            np.column_stack([ends, ends]), np.column_stack([inner, inner]), cells
+            np.column_stack([ends, ends]), np.column_stack([inner, inner]), others, cells
         ])  # fmt: skip
         halves = 0.5 * np.column_stack([1.0 - share, share])
         weights = np.full(anchors.shape, 0.25)
@@ -62,7 +64,7 @@ class EvaluationPoints:
         parts = disc.body.parts
         if parts is not None:
             sides = parts_of_sides(cells, parts, np.vstack([ends, inner]))
-            parts = np.concatenate([sides, parts])
+            parts = np.concatenate([sides, of_others, parts])
         return PointSet(anchors, weights, 1, parts=parts)
 
     @cached_property
@@ -140,11 +142,12 @@ class EvaluationPoints:
 
     @cached_property
     def regions(self) -> np.ndarray:
-        """Number of the region of every point, on an interface the last one, shape (N,)."""
+        """Number of the region of every point, shape (N,)."""
         structure, (outer, inner) = self.path.problem.term("structure"), self.sides
         sides = np.vstack([np.repeat(outer, len(SHARES), axis=0), inner])
         return np.concatenate([
-            structure.particle_regions, structure.side_regions(sides), structure.cell_regions
+            structure.particle_regions, structure.side_regions(sides),
+            self.path.discretization.body.on_interfaces[1], structure.cell_regions,
         ])  # fmt: skip
 
     @cached_property
