@@ -46,6 +46,10 @@ def stiffness_at(where, elastic, body, particles: np.ndarray) -> float:
     E = 3 G, that of the undeformed incompressible material.
     """
     modulus = [3.0 * region.material.shear_modulus for region in elastic.regions]
-    at_points = np.isin(body.cells, where.points.anchors).any(axis=1)
+    # cells with a side there, as another material may begin where the points end; a triangle repeats a
+    # corner
+    corners, following = body.cells, np.roll(body.cells, -1, axis=1)
+    at_sides = np.isin([corners, following], where.points.anchors).all(axis=0)
+    at_points = (at_sides & (corners != following)).any(axis=1)
     stiffest = elastic.per_cell(modulus, len(body.cells))[at_points].max()
     return float(stiffest / where.lengths(particles).mean())
