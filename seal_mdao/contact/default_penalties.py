@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from seal_mdao.contact.self_contact import SelfContact
+from seal_mdao.rkpm.cells import beside
 
 RIGID_RATIOS = {"normal_penalty": 300.0, "tangent_penalty": 10.0}
 """Penalties over E/h of contact with a rigid body."""
@@ -46,10 +47,6 @@ def stiffness_at(where, elastic, body, particles: np.ndarray) -> float:
     E = 3 G, that of the undeformed incompressible material.
     """
     modulus = [3.0 * region.material.shear_modulus for region in elastic.regions]
-    # cells with a side there, as another material may begin where the points end; a triangle repeats a
-    # corner
-    corners, following = body.cells, np.roll(body.cells, -1, axis=1)
-    at_sides = np.isin([corners, following], where.points.anchors).all(axis=0)
-    at_points = (at_sides & (corners != following)).any(axis=1)
-    stiffest = elastic.per_cell(modulus, len(body.cells))[at_points].max()
+    touched = beside(body.cells, where.points.anchors)
+    stiffest = elastic.per_cell(modulus, len(body.cells))[touched].max()
     return float(stiffest / where.lengths(particles).mean())

@@ -24,6 +24,7 @@ from seal_mdao.measures.contact_modulus import ContactModulus
 from seal_mdao.measures.contact_pressure import PointPressures
 from seal_mdao.measures.measure import Measure
 from seal_mdao.measures.roughness import Roughness
+from seal_mdao.rkpm.cells import beside
 from seal_mdao.terms.term import Scalar
 
 MICRON = 1e-3
@@ -111,7 +112,7 @@ class LeakRate(Measure):
             return
         elastic = seal.terms()[0]
         where = next(term.where for term in seal.terms() if term.label == self.profile)
-        touched = np.isin(seal.body.cells, where.points.anchors).any(axis=1)
+        touched = beside(seal.body.cells, where.points.anchors)
         of_cells = elastic.per_cell(range(len(elastic.regions)), len(touched), int)
         for number in np.unique(of_cells[touched]):
             _incompressible(self.name, elastic.regions[number].material)

@@ -206,6 +206,14 @@ def sides_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return pairs[first[count == 1]], pairs[first[count > 1]]
 
 
+def beside(cells: np.ndarray, particles: np.ndarray) -> np.ndarray:
+    """Find the cells with a side between two of some ``particles``, a mask (n_cells,); not those with a
+    corner there only, such as cells of another material where an edge ends at an interface."""
+    following = np.roll(cells, -1, axis=1)
+    # a triangle repeats a corner
+    return (np.isin([cells, following], particles).all(axis=0) & (cells != following)).any(axis=1)
+
+
 def joined(pairs: np.ndarray, count: int) -> np.ndarray:
     """Number the groups of ``count`` particles that pairs (m, 2) join, shape (count,)."""
     graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(count, count))

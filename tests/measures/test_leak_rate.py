@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import openmdao.api as om
 import pytest
+from foam_bulbs import BLOCK, foam_bulb
 from quotients import quotients
 from two_rubbers import pressed_block
 
@@ -224,6 +225,18 @@ def test_component_has_them_as_inputs(tmp_path):
 SPONGE = (
     'law = "yeoh"\nc10 = 100.0\nc20 = -1.0\nc30 = 0.1\nbulk_modulus = 2e3', 'sponge = "2A3"',
 )  # fmt: skip
+
+
+def test_foam_below_the_edge_in_contact_is_not_in_contact(tmp_path):
+    """A bulb of rubber on a block of foam: its edge ends at the interface, far from the contact."""
+    text = foam_bulb(BLOCK, 0.8)
+    for old, new in (('sponge = "2A3"', "shore_a = 50"), ("shore_a = 75", 'sponge = "2A3"')):
+        text = text.replace(old, new)
+    text += '[[measure]]\ntype = "leak_rate"\nrms_roughness = 5.0\nroll_off_wavelength = 500.0\n'
+    path = tmp_path / "bulb.toml"
+    path.write_text(text + "shortest_wavelength = 1.0\npressure = 10.0\n")
+    result = sm.analyze(sm.build_seal(path))
+    assert result.value("leak_rate")[0] > 0.0
 
 
 def test_compressible_rubber_needs_its_modulus(tmp_path):
