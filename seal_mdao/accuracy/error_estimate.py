@@ -230,7 +230,7 @@ class ComparedPaths:
         steps = {k: path.nominal_steps[int(end) - 1] for k, end in enumerate(ends, 1)}
         coarse = self.near(seal, Prolongation(path, steps, path.discretization))
         if not coarse.converged:
-            self.failure = f"an analysis in {seal.n_steps} load steps failed: {coarse.failure}"
+            self.failure = f"an analysis in {seal.n_steps} load steps {_end_of(coarse)}"
             return False
         if force_difference(coarse, self.result, ends.astype(int) - 1) > self._apart:
             self.failure = "in few load steps the seal takes another path"
@@ -239,10 +239,8 @@ class ComparedPaths:
         steps = dict(enumerate(coarse.path.nominal_steps, 1))
         found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
         if not found.converged:
-            self.failure = (
-                f"an analysis with half of the spacing failed: {found.failure}"
-                f"{_error_before(coarse, found)}"
-            )
+            why = _end_of(found) + _error_before(coarse, found)
+            self.failure = f"an analysis with half of the spacing {why}"
             return False
         self.fine, self.failure = found, ""
         return True
@@ -270,6 +268,15 @@ class ComparedPaths:
             replace(seal, newton=newton), seal.nominal_particles, callback=self.callback,
             known=Known(near.fine, near=near),
         )  # fmt: skip
+
+
+def _end_of(result: SealResult) -> str:
+    """Describe where and why a path that is only compared has ended, without advice."""
+    done = len(result.path.nominal_steps)
+    # "load step 8 (load parameter 8.0000): the cause; details"
+    cause = result.path.failure.split(";")[0].partition(": ")[2]
+    where = f"beyond {result.caption(done - 1)}" if done else "in its first load step"
+    return f"could not be completed {where}: {cause}"
 
 
 def _error_before(coarse: SealResult, fine: SealResult) -> str:

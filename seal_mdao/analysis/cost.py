@@ -32,7 +32,7 @@ ENTRY_SECONDS, PARTICLE_SECONDS, FACTOR_SECONDS = 5e-9, 1.5e-5, 1.3e-8
 """Seconds for each unit of work of a load step, as above."""
 PAIR_SECONDS = 2.5e-5
 """Seconds for the shape functions of a pair (cell, particle)."""
-SELF_CONTACT = 5.0
+SELF_CONTACT = 3.0
 """Factor on the time of a load step with self-contact."""
 ENTRY_BYTES, VALUE_BYTES, PARTICLE_BYTES, STEP_BYTES = 35, 96, 30_000, 60
 """Bytes for each: pair of particles in a cell; quadrature point and particle in a cell; particle;
