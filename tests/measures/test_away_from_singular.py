@@ -14,6 +14,7 @@ from seal_mdao.measures.singular_points import (
     singular_points,
 )
 from seal_mdao.measures.stress import LargestVonMises
+from seal_mdao.structure.elastic_body import elastic_body
 
 BULB = (Path(__file__).parents[1] / "seal_file" / "bulb.toml").read_text()
 for old, new in (
@@ -56,10 +57,11 @@ def test_singular_points_of_a_fixed_corner():
     cells = np.column_stack([own.ravel() for own in corners])[:3]
     fixed = np.zeros((9, 2), bool)
     body = Body(cells, np.full(9, 2.0), fixed, {})
-    (point,) = singular_points(body, x)
+    (point,) = singular_points(body, x, elastic_body(sm.NeoHookean(100.0, 1e4)))
     assert (point.kind, *point.place) == (REENTRANT_CORNER, 1.0, 1.0)
     fixed[[5, 4, 7]] = True
-    found = singular_points(Body(cells, np.full(9, 2.0), fixed, {}), x)
+    body = Body(cells, np.full(9, 2.0), fixed, {})
+    found = singular_points(body, x, elastic_body(sm.NeoHookean(100.0, 1e4)))
     assert [(own.kind, *own.place) for own in found] == [
         (FIXED_END, 2.0, 1.0), (FIXED_END, 1.0, 2.0)
     ]  # fmt: skip
