@@ -136,11 +136,11 @@ class TangentStorage:
         if not values[self.blocks.size : self.size].any():
             return self.blocks.factorize(values[: self.blocks.size], symmetric)
         acting = np.flatnonzero(values[self._link_slots])
-        # successive iterations often have the same links
-        key = acting.tobytes()
-        if self._latest is None or self._latest[0] != key:
-            self._latest = key, self._reordered(acting)
-        return self._latest[1].factorize(values, symmetric)
+        # successive iterations often have the same links; another thread may replace the latest ones
+        key, latest = acting.tobytes(), self._latest
+        if latest is None or latest[0] != key:
+            latest = self._latest = key, self._reordered(acting)
+        return latest[1].factorize(values, symmetric)
 
     def _reordered(self, acting: np.ndarray) -> "_ReorderedBlocks":
         """Choose the order of the equations for the links with the indices ``acting``."""
