@@ -136,7 +136,7 @@ class TangentStorage:
         if not values[self.blocks.size : self.size].any():
             return self.blocks.factorize(values[: self.blocks.size], symmetric)
         acting = np.flatnonzero(values[self._link_slots])
-        # successive iterations often have the same links; another thread may replace the latest ones
+        # successive iterations often have the same links
         key, latest = acting.tobytes(), self._latest
         if latest is None or latest[0] != key:
             latest = self._latest = key, self._reordered(acting)
@@ -155,9 +155,9 @@ class TangentStorage:
         movable = np.flatnonzero(free.any(axis=1))
         graph = csr_array(coupling[movable][:, movable])
         order = movable[reverse_cuthill_mckee(graph, symmetric_mode=True)]
-        # the first of equals
         candidates = [numbered(~free, order), self._equations]
         blocks = [block_ends(farthest_coupled(own, coupling)) for own in candidates]
+        # the first of equals
         best = int(np.argmin([operations for _, operations in blocks]))
         place = np.empty(self.n, int)
         place[self._equations[free]] = candidates[best][free]

@@ -114,8 +114,8 @@ class StudyRecord:
 
     def add(self, number: int, outcome: Outcome) -> None:
         """Store a sample that has finished."""
-        # NULL for NaN
-        values = [None if np.isnan(value) else float(value) for value in outcome.values]
+        # SQLite stores NaN as NULL
+        values = outcome.values.tolist()
         marks = ", ".join("?" * (5 + len(values)))
         status = FAILED if outcome.failure else COMPLETED
         row = (number, status, outcome.failure, outcome.seconds, time.time(), *values)

@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seal_mdao.geometry.motion import BEFORE, Motion, Stage, staged_motion, straight_motion
+from seal_mdao.geometry.motion import (
+    BEFORE,
+    Motion,
+    Stage,
+    path_motion,
+    staged_motion,
+    straight_motion,
+)
 from seal_mdao.geometry.pose import Pose, in_frame, quarter_turn, rigid_velocity, turned
 
 
@@ -226,6 +233,42 @@ def test_preliminary_increments_end_where_the_first_step_begins():
     assert motion.at_travel(0.1)[0] == own.at_travel(0.1)[0]
     ends = [0.5, 3.9, 4.0, 9.0, 11.0]
     np.testing.assert_array_equal(motion.with_ends(ends).retraction, motion.retraction)
+
+
+def test_given_fractions_end_exactly_at_the_waypoints(rng):
+    """w_first + 1.0 (w_last - w_first) is not w_last in floating-point numbers."""
+    positions, angles = rng.normal(size=(21, 2)), rng.normal(size=21)
+    motion = Motion(positions, angles, np.full(20, 2), fractions=np.tile([0.3, 1.0], 20))
+    found = np.array([motion.coordinates(2.0 * stage) for stage in range(20)])
+    np.testing.assert_array_equal(found, np.column_stack([positions, angles])[:20])
+
+
+def test_stages_have_a_travel_or_a_duration():
+    """A stage of 5 mm without a duration between two with one: its travel alone depends on a speed."""
+    rates = {"depth": (0.6, 0.8, 0.0)}
+    stages = [
+        Stage(2, (0.0, -1.0), rates={"depth": (0.0, -1.0, 0.0)}, duration=4.0),
+        Stage((0.2, 1.0), (3.0, 4.0), rates=rates),
+        Stage(1, (0.0, 2.0), duration=0.5),
+    ]
+    motion = staged_motion(stages)
+    travel, time = motion.timing
+    np.testing.assert_allclose(travel, [0.0, 0.0, 0.0, 1.0, 5.0, 5.0], rtol=1e-15)
+    np.testing.assert_allclose(time, [0.0, 2.0, 4.0, 4.0, 4.0, 4.5], rtol=1e-15)
+    # 5 mm in the direction of the rate: both grow together
+    np.testing.assert_allclose(
+        motion.timed_travel_rates, [[0.0, 0.0, 0.0, 0.2, 1.0, 1.0]], rtol=1e-14
+    )
+
+
+def test_the_path_has_the_stages_of_the_first_motion_that_has_any():
+    still, dwelling, moving = (
+        staged_motion(stages)
+        for stages in ([Stage(3)], [Stage(1), Stage(2)], [Stage(3, (0.0, -1.0))])
+    )
+    assert path_motion([still, dwelling, moving]) is dwelling
+    assert path_motion([still, moving, dwelling]) is moving
+    assert path_motion([still, staged_motion([Stage(3)])]) is still
 
 
 def test_parameters_of_lengths_and_angles_have_units():

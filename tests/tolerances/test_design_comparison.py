@@ -56,6 +56,21 @@ def test_limits_are_met_or_not_within_their_confidence(least, met, words):
     assert design().in_words(floor(least)) == words
 
 
+def test_limits_at_the_required_fraction_are_met():
+    """Exactly nine tenths; and all of them, of which no number of samples can be certain."""
+    assert design().meets(floor(10.0))
+    all_of_them = design().in_words(floor(0.0, required=1.0))
+    assert all_of_them.endswith("100 % required: met, within the confidence of these samples")
+
+
+def test_a_band_that_is_met_is_not_too_narrow():
+    """Its samples are on one side of the others, so that the middle four fifths reach beyond it."""
+    values = {"force": np.append(np.linspace(0.0, 1.0, 85), np.full(15, 100.0))[:, None]}
+    inside = lambda values: values[:, 0] <= 1.0  # noqa: E731
+    band = SampledLimit("share_force_1", "force", "force", inside, required=0.8, band=1.0)
+    assert SampledDesign("robust optimum", "force", values, 0).too_wide(band) is None
+
+
 def test_the_report_has_fractions_with_intervals():
     figure = designs_compared({"robust optimum": np.arange(4.0)}, "area", "mm**2")
     page = samples_section([design()], (floor(5.0),), "area", figure)

@@ -28,6 +28,15 @@ def test_name_is_that_of_one_column(tmp_path, name):
             assert (columns[place], len(columns)) == (name, place + 2)
 
 
+def test_values_of_a_failed_sample_are_missing(tmp_path):
+    path = tmp_path / "samples.sqlite"
+    with StudyRecord(path, {}, ("a",), ("b", "c")) as record:
+        record.add(0, Outcome(np.array([np.nan, np.inf]), None, "no equilibrium", 1.0))
+        np.testing.assert_array_equal(record.results()[3], [[np.nan, np.inf]])
+    with closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT b, c FROM results").fetchall() == [(None, np.inf)]
+
+
 @pytest.mark.parametrize(
     ("inputs", "measures"),
     [(("a", "A"), ()), (("Number",), ()), ((), ("status",)), ((), ("b", "c", "B"))],

@@ -1,5 +1,7 @@
 """Samples have the distributions and the correlations that were asked for."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -8,12 +10,14 @@ import seal_mdao as sm
 from seal_mdao.distributions import Normal, Triangular, Uniform
 from seal_mdao.materials.hardness import hardness_factor, shore_modulus
 from seal_mdao.seals.door.door_seal import options_of
+from seal_mdao.seals.profiles import contacts
 from seal_mdao.tolerances.boundary_errors import (
     BoundaryTolerance,
     boundary_covariance,
     boundary_loops,
     square_root,
 )
+from seal_mdao.tolerances.placement import ROOM, with_clearance
 from seal_mdao.tolerances.tolerance_set import METHODS, Tolerances
 
 COUNT = 4096
@@ -87,6 +91,45 @@ def test_correlation_falls_as_a_gaussian_of_the_distance():
         logs[length] = np.log(correlation[5, 6]), np.log(correlation[5, 7])
     assert logs[8.0][0] == pytest.approx(logs[4.0][0] / 4.0, rel=1e-9)
     assert 3.7 < logs[8.0][1] / logs[8.0][0] < 4.0
+
+
+def test_correlation_of_single_particles_is_exact():
+    """Offsets that move one particle each, at unequal distances around a square of side 6:
+    exp(-c^2 / 2 length^2), c = 24 / pi sin(pi s / 24)."""
+    sides = [[1.0, 2.0, 3.0], [2.0, 4.0], [1.0, 5.0], [3.0, 1.0, 2.0]]
+    along = np.cumsum([0.0, *(piece for side in sides for piece in side)])[:-1]
+    corners = np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 6.0], [0.0, 6.0], [0.0, 0.0]])
+    at = [np.interp(along, 6.0 * np.arange(5), column) for column in corners.T]
+    particles, n = np.vstack([np.column_stack(at), [[3.0, 3.0]]]), along.size
+    ring = np.column_stack([np.arange(n), np.roll(np.arange(n), -1)])
+    cells = np.column_stack([ring, np.full((n, 2), n)])
+    velocity = np.zeros((n, n + 1, 2))
+    velocity[np.arange(n), np.arange(n)] = [0.6, 0.8]
+    seal = SimpleNamespace(
+        body=SimpleNamespace(cells=cells), nominal_particles=particles, design_velocity=velocity
+    )
+    found = boundary_covariance(seal, BoundaryTolerance(0.1, 4.0))
+    chord = 24.0 / np.pi * np.sin(np.pi / 24.0 * (along[:, None] - along))
+    np.testing.assert_allclose(found, 0.1**2 * np.exp(-0.5 * (chord / 4.0) ** 2), rtol=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_samples_at_the_ends_of_a_distribution_are_finite(seal, tolerances, monkeypatch, share):
+    """A number drawn in [0, 1) may be zero, where a normal distribution is infinite."""
+    monkeypatch.setattr(
+        "seal_mdao.tolerances.tolerance_set._unit_samples",
+        lambda dimensions, count, *_: np.full((count, dimensions), share),
+    )
+    made = tolerances.samples(seal, 2)
+    assert np.isfinite(made.numbers).all()
+    assert np.isfinite(made.offsets).all()
+
+
+def test_clearances_are_added_to_those_of_the_profiles():
+    """Along the travel of the door, which is vertical."""
+    seal = sm.door_seal().with_clearances({"door": (0.0, 0.25)})
+    (contact,) = contacts(with_clearance(seal))
+    np.testing.assert_array_equal(contact.motion.clearance, [0.0, 0.25 + ROOM])
 
 
 def test_inner_and_outer_boundary_are_extruded_apart():

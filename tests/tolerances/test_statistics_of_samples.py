@@ -20,6 +20,13 @@ def test_quantiles_of_finite_samples_are_those_of_numpy(rng):
     np.testing.assert_array_equal(quantiles(values, levels), np.quantile(values, levels))
 
 
+def test_deviation_is_that_of_a_sample():
+    """The squares of -1.5, -0.5, 0.5 and 1.5, over 3 degrees of freedom."""
+    found = described(np.array([1.0, 2.0, 3.0, 4.0]))
+    assert (found["mean"], found["std"]) == (2.5, pytest.approx(np.sqrt(5.0 / 3.0), rel=1e-15))
+    assert described(np.array([2.0]))["std"] == 0.0
+
+
 def test_no_statistic_of_infinite_samples_is_undefined():
     found = described(np.array([1.0, 2.0, 3.0, np.inf]))
     assert not np.isnan([*found.values()]).any()
