@@ -151,7 +151,7 @@ def test_the_same_matrix_has_the_same_factor(chain, rng):
     entries = np.stack([storage.outside, columns_outside(storage)])
     fewer[storage.blocks.size :][np.isin(entries, chain[1][3]).any(axis=0)] = 0.0
     alone = filled(chain, rng, acting=False)[0]
-    matrices = values, other, fewer, alone
+    matrices = fewer, values, other, alone
     first = [linked_chain([(2, 37), (3, 37), (10, 12)])[0].factorize(own).solve(rhs)
              for own in matrices]  # fmt: skip
     for before in matrices:
