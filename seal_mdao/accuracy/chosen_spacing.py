@@ -280,12 +280,13 @@ def _require_attainable(worst: WorstError, file: SealFile) -> None:
 
 def _order(cloud: Cloud, before: Cloud | None) -> float:
     """Compute the order of the worst error in the spacing from two clouds; ``ORDER`` where their
-    spacings are too close to each other."""
+    spacings are too close to each other, or where that of the first is not known or zero, as of a
+    contact that only the second one has."""
     if before is None:
         return ORDER
     spacings = [own.file.section.spacing for own in (before, cloud)]
     error = _particle_error(before, cloud.worst.name)
-    if spacings[1] > CLEAR * spacings[0] or error is None:
+    if spacings[1] > CLEAR * spacings[0] or not error:
         return ORDER
     # p = log(e_before / e) / log(h_before / h)
     return math.log(error / cloud.worst.particles) / math.log(spacings[0] / spacings[1])

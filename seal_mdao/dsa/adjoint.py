@@ -175,7 +175,7 @@ class AdjointSweep:
     # ---- imposed displacements ----
 
     def _no_prescribed(self) -> np.ndarray | None:
-        """Room for seeds on imposed displacements; None where they do not vary."""
+        """Return zero seeds on imposed displacements; None where they do not vary."""
         imposed = self.problem.imposed
         if imposed is None or not imposed.varies:
             return None

@@ -135,7 +135,7 @@ class DirectSweep:
         Parameters
         ----------
         measured : collection of int, optional
-            Places of the steps to return; the last one when left out.
+            Indices of the steps to return; the last one when left out.
         """
         return dict(self.each({len(self.path.steps) - 1} if measured is None else measured))
 

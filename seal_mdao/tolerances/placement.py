@@ -5,7 +5,7 @@ import numpy as np
 from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.seal import Seal
 
-ROOM = 0.5
+CLEARANCE = 0.5
 """Clearance, mm, with which hardly any sample begins inside a seal."""
 
 
@@ -19,5 +19,5 @@ def with_clearance(seal: Seal) -> Seal:
         length = np.hypot(*back)
         # a fixed or turning profile has no direction of travel
         if length:
-            clearances[contact.label] = contact.motion.clearance + ROOM * back / length
+            clearances[contact.label] = contact.motion.clearance + CLEARANCE * back / length
     return seal.with_clearances(clearances) if clearances else seal

@@ -87,15 +87,15 @@ class Tolerances:
                 "of the boundary"
             )
         # inverse transform sampling: x = F^(-1)(u)
-        shares = np.clip(_unit_samples(dimensions, count, method, seed), TINY, 1.0 - TINY)
-        pairs = zip(self.scattered, shares.T, strict=False)
+        probabilities = np.clip(_unit_samples(dimensions, count, method, seed), TINY, 1.0 - TINY)
+        pairs = zip(self.scattered, probabilities.T, strict=False)
         columns = [tolerance.distribution.scipy.ppf(u) for tolerance, u in pairs]
         numbers = np.column_stack(columns) if columns else np.zeros((count, 0))
         if self.boundary is None:
             return Scenarios(self.variations, numbers, np.zeros((count, seal.n_offsets)))
         # offsets C^(1/2) z with independent standard normal z
         root = square_root(self.offsets_covariance(seal))
-        return Scenarios(self.variations, numbers, ndtri(shares[:, n_numbers:]) @ root)
+        return Scenarios(self.variations, numbers, ndtri(probabilities[:, n_numbers:]) @ root)
 
 
 def _unit_samples(dimensions: int, count: int, method: str, seed: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from seal_mdao.tolerances.boundary_errors import (
     boundary_loops,
     square_root,
 )
-from seal_mdao.tolerances.placement import ROOM, with_clearance
+from seal_mdao.tolerances.placement import CLEARANCE, with_clearance
 from seal_mdao.tolerances.tolerance_set import METHODS, Tolerances
 
 COUNT = 4096
@@ -113,12 +113,14 @@ def test_correlation_of_single_particles_is_exact():
     np.testing.assert_allclose(found, 0.1**2 * np.exp(-0.5 * (chord / 4.0) ** 2), rtol=1e-12)
 
 
-@pytest.mark.parametrize("share", [0.0, 1.0])
-def test_samples_at_the_ends_of_a_distribution_are_finite(seal, tolerances, monkeypatch, share):
+@pytest.mark.parametrize("probability", [0.0, 1.0])
+def test_samples_at_the_ends_of_a_distribution_are_finite(
+    seal, tolerances, monkeypatch, probability
+):
     """A number drawn in [0, 1) may be zero, where a normal distribution is infinite."""
     monkeypatch.setattr(
         "seal_mdao.tolerances.tolerance_set._unit_samples",
-        lambda dimensions, count, *_: np.full((count, dimensions), share),
+        lambda dimensions, count, *_: np.full((count, dimensions), probability),
     )
     made = tolerances.samples(seal, 2)
     assert np.isfinite(made.numbers).all()
@@ -129,7 +131,7 @@ def test_clearances_are_added_to_those_of_the_profiles():
     """Along the travel of the door, which is vertical."""
     seal = sm.door_seal().with_clearances({"door": (0.0, 0.25)})
     (contact,) = contacts(with_clearance(seal))
-    np.testing.assert_array_equal(contact.motion.clearance, [0.0, 0.25 + ROOM])
+    np.testing.assert_array_equal(contact.motion.clearance, [0.0, 0.25 + CLEARANCE])
 
 
 def test_inner_and_outer_boundary_are_extruded_apart():
