@@ -222,5 +222,4 @@ class PathProblem:
             return 0.0
         # W = f_p . (u_p(target) - u_p(fraction)), sum over the prescribed components p
         forces = self.forces_on_all(d, last.fraction, last.before)
-        work = forces * self.prescribed_increment(last.fraction, target)
-        return float(np.sum(work[self.discretization.layout.equations < 0]))
+        return float(np.sum(forces * self.prescribed_increment(last.fraction, target)))

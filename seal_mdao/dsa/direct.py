@@ -71,7 +71,9 @@ class DirectSweep:
         by_place = imposed.by_particles(step.fraction)
         moved = np.einsum("nij,pnj->nip", by_place, self.rates.velocity)
         by_names = imposed.linearization(step.fraction) @ self.rates.of(imposed.names)
-        return by_names + moved.reshape(by_names.shape)
+        # zero at free components, whatever displacements are given there
+        fixed = (self.path.discretization.layout.equations < 0).reshape(-1, 1)
+        return np.where(fixed, by_names + moved.reshape(by_names.shape), 0.0)
 
     def explicit_loads(self, steps) -> np.ndarray:
         """f' of a block of steps that no history is in, (K, n_equations + 1, P)."""

@@ -15,7 +15,8 @@ class ImposedDisplacements:
     Attributes
     ----------
     values : ndarray, shape (n_steps + 1, n, 2)
-        At the start and after every nominal step; linear between.
+        At the start and after every nominal step; linear between. Those of free components are not
+        used.
     names : tuple of str
         Scalar parameters.
     rates : ndarray, shape (len(names), n_steps + 1, n, 2)

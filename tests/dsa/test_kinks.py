@@ -11,6 +11,7 @@ import seal_mdao as sm
 from seal_mdao.cli.analyze import differentiated, measured
 from seal_mdao.contact.friction import OPEN, STICK, ContactLaw
 from seal_mdao.contact.kinks import LIMIT, SMOOTH, TOUCHING, find_kinks, rounding_of
+from seal_mdao.dsa import contact_kinks
 from seal_mdao.dsa.contact_kinks import contact_states, warn_of_kinks
 from seal_mdao.errors import KinkWarning
 
@@ -118,6 +119,25 @@ def test_a_symmetric_touch_that_passes_nothing_on_is_not_reported(nominal):
     sm.differentiate(nominal)
     with pytest.warns(KinkWarning, match=r"'door' at load step 5: zero gap at point 25 \(x = 0"):
         warn_of_kinks(nominal.path, [4])
+
+
+def test_a_touch_before_the_measured_steps_is_reported_for_either_reason(nominal, monkeypatch):
+    """Its force moves what the next step uses, or the point slips in the next step."""
+    path, door = nominal.path, nominal.term("door")
+    last, kinks = [len(path.steps) - 1], door.kinks
+
+    def slipping(*given):
+        found = kinks(*given)
+        return found._replace(slips=np.ones(len(found.touching), bool))
+
+    warn_of_kinks(path, last)
+    with monkeypatch.context() as patched:
+        patched.setattr(door, "kinks", slipping)
+        with pytest.warns(KinkWarning, match="load step 5: zero gap at point 25"):
+            warn_of_kinks(path, last)
+    monkeypatch.setattr(contact_kinks, "_passes_on", lambda path, term, kinks, *steps: ~kinks.slips)
+    with pytest.warns(KinkWarning, match="load step 5: zero gap at point 25"):
+        warn_of_kinks(path, last)
 
 
 def test_steps_after_the_last_measured_one_do_not_count(kinked):

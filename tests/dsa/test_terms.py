@@ -1,5 +1,7 @@
 """Every term by itself: rates against central differences, and transposes of all products."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from block import block_seal
@@ -12,7 +14,9 @@ from seal_mdao.dsa.probe import Probe
 from seal_mdao.dsa.shape_rates import discretization_rates
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.equilibrium.matrix_seeds import add_matrix_seeds
+from seal_mdao.loads.imposed import ImposedDisplacements
 from seal_mdao.measures.measure import Seeds
+from seal_mdao.measures.reaction import Reaction
 from seal_mdao.seals.door.door_seal import options_of
 from seal_mdao.structure.energy_gradient import BodySeeds
 from seal_mdao.terms.linearized_points import PointSeeds
@@ -40,6 +44,23 @@ def where(request, pressed, nominal):
     """Contact points with their lengths, and the particles of their body."""
     result = pressed if request.param == "roll" else nominal
     return result.term(request.param).where, result.particles
+
+
+def test_imposed_displacements_of_free_components_are_not_used(pressed, rng):
+    """Neither by the analysis nor by either method of the derivatives."""
+    seal = pressed.seal
+    own = seal.imposed_displacements
+    free = pressed.path.discretization.layout.equations >= 0
+    anywhere = own.rates + free * rng.standard_normal(own.rates.shape)
+    fields = ImposedDisplacements(0.5 * anywhere[0] + anywhere[1], own.names, anywhere)
+    other = sm.analyze(replace(seal, imposed_displacements=fields))
+    np.testing.assert_array_equal(other.path.steps[-1].d, pressed.path.steps[-1].d)
+    for method in ("direct", "adjoint"):
+        found, exact = (
+            sm.differentiate(result, own.names, (Reaction("roll"),), method).reaction
+            for result in (other, pressed)
+        )
+        np.testing.assert_array_equal(found, exact)
 
 
 def test_lengths_add_up_to_the_free_boundary(nominal):
