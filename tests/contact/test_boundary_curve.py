@@ -97,6 +97,30 @@ def test_sides_between_corners_are_straight():
     np.testing.assert_allclose(2.0 - around[:, 0], inset * (1.0 - s) ** 5, atol=1e-3 * inset)
 
 
+def test_straight_sides_with_bends_are_not_smoothed():
+    """The distances of points beside a corner are shorter than the others."""
+    x, corner = squares(0.5, BESIDE)
+    ring, every = rings([20], corner, bent=~corner & ~np.roll(corner, 1)), np.arange(20)
+    for order, exact in ((0, x), (2, np.zeros((20, 2)))):
+        weights = ring.weights(every, np.zeros(20), order)
+        found = np.einsum("mb,mbi->mi", weights, x[masters(every, ring)])
+        # around a corner the curve is bent on purpose
+        np.testing.assert_allclose(found[~corner], exact[~corner], atol=1e-14)
+
+
+def test_projections_within_two_segments_of_the_nearest_point_are_found():
+    x, ring, every = ellipse(40), rings([40]), np.arange(40)
+    for ahead in (-1.5, -0.5, 0.5, 1.5, 2.5, -2.5):
+        segments, s = ring.step(every, int(np.floor(ahead))), np.full(40, 0.5)
+        places = np.einsum("mb,mbi->mi", ring.weights(segments, s, 0), x[masters(segments, ring)])
+        places += 0.01 * outward(x, ring)[segments]
+        own, along, found = project(x, places, every, ring)
+        assert found.all() == found.any() == (abs(ahead) < 2.0)
+        if abs(ahead) < 2.0:
+            np.testing.assert_array_equal(own, segments)
+            np.testing.assert_allclose(along, 0.5, atol=0.01)
+
+
 def test_a_point_that_faces_a_point_of_the_curve_is_found():
     """Rounding decides on which side of it the projection lies, but not whether there is one."""
     x, corner = squares(0.5, BESIDE)
@@ -169,4 +193,6 @@ def test_ways_round_two_loops():
     way = ring.coordinate_change(np.array([0.5, 9.5, 17.5, 3.0]), np.array([9.5, 0.5, 10.5, 12.0]))
     np.testing.assert_allclose(way[:3], [1.0, -1.0, -1.0])
     assert np.isnan(way[3])
+    # xi is rounded up to the number of points at the end of the last segment
+    assert ring.coordinate_change(np.array([18.0]), np.array([17.5])) == [0.5]
     assert ring.step(np.array([9, 17, 10]), 1).tolist() == [0, 10, 11]
