@@ -15,7 +15,7 @@ from round_tip import PRESSED_TIP
 import seal_mdao as sm
 from seal_mdao import registry, user_cache
 from seal_mdao.accuracy import chosen_spacing
-from seal_mdao.accuracy.chosen_spacing import Cloud, refine, with_factor
+from seal_mdao.accuracy.chosen_spacing import Cloud, _finer_edges, refine, with_factor
 from seal_mdao.accuracy.error_estimate import ErrorEstimate
 from seal_mdao.cli.refine import refined_text
 from seal_mdao.cli.seal_files import cloud_line
@@ -24,6 +24,7 @@ from seal_mdao.file_seal import file_and_seal
 from seal_mdao.plotting import section_cloud
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.file.chosen import chosen_for
+from seal_mdao.seals.profiles import contacts
 from seal_mdao.seals.result import analyze
 from seal_mdao.seals.settings import seal_of
 
@@ -243,6 +244,8 @@ def test_all_distances_are_multiplied():
     assert with_factor(filling, 0.51) == {
         "spacing": 0.408, "layers": 5, "edge_spacing": {"side": 0.204}
     }  # fmt: skip
+    # a factor that is 0.5 but for rounding
+    assert with_factor(filling, 0.5 * (1.0 - 1e-12))["layers"] == 5
 
 
 @pytest.mark.parametrize(
@@ -405,6 +408,18 @@ def test_within_the_admissible_error(chosen):
     finer = analyze(sm.build_seal(file.path, **(chosen_for(file, seal) | half)))
     force, best = (own.value("reaction")[0] for own in (result, finer))
     assert abs(force - best) <= 0.018 * best
+
+
+@pytest.mark.parametrize(("count", "factor"), [(1, 0.3), (2, 0.36), (4, 0.72)])
+def test_finer_edges_of_few_points(chosen, count, factor):
+    """0.9 n / 5 of the distance of the points, at least 0.3 of it."""
+    result = chosen[3]
+    contact = contacts(result.seal)[0]
+    points = np.argsort(result.response(contact.label).gap)[:count]
+    apart = result.term(contact.label).where.lengths(result.particles)[points].max()
+    found = _finer_edges(result, contact.label, points)
+    assert found
+    assert [*found.values()] == pytest.approx([factor * apart] * len(found), rel=1e-2)
 
 
 def test_wrong_filling(chosen, tmp_path):
