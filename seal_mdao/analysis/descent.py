@@ -81,6 +81,11 @@ def _definite(now: Assembly, least: float, first: float):
     factor : Factor
     shift : float
         alpha; 0 where K itself is positive definite.
+
+    Raises
+    ------
+    LinAlgError
+        No alpha suffices, as for a tangent with entries that are not numbers.
     """
     symmetric = now.problem.symmetric
     factor, shift = now.factorize(check=True), least
@@ -92,12 +97,13 @@ def _definite(now: Assembly, least: float, first: float):
         lowest = nearest_mode(factor, now.residual.size, True, negative=True)[0]
         shift = max(shift, ENOUGH * abs(lowest))
     shift = max(shift, first)
-    while True:
+    while np.isfinite(shift):
         factor = now.factorize(check=True, shift=shift)
         # unsymmetric: positive determinant, and s . r = -r . (K + alpha I)^-1 r < 0
         if factor.positive and (symmetric or now.residual @ factor.solve(now.residual) > 0.0):
             return factor, shift
         shift *= MORE
+    raise np.linalg.LinAlgError("no shift makes the tangent positive definite")
 
 
 def _step_length(increment: Increment, now: Assembly, step, full: bool) -> float:

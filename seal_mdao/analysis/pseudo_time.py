@@ -61,6 +61,8 @@ def _follow(increment: Increment, d) -> Solution:
     now = last = increment.evaluate(d)
     if now is None:
         return Solution(Status.INVERTED, d, ())
+    if not np.isfinite(now.size):  # beyond the limit of a material
+        return Solution(Status.DIVERGED, d, (now.size,), now)
     # alpha_0 = FIRST_DAMPING mean |K_ii|
     residuals, damping = [], FIRST_DAMPING * now.mean_stiffness
     for number in range(increment.options.damped_iterations):
