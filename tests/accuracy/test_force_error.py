@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -96,6 +97,13 @@ def test_paths_that_leave_that_of_the_result_give_no_estimate(bulb, monkeypatch)
 def test_warning_only_above_the_largest_error():
     assert not ForceError(LARGEST).warning
     assert not ForceError(None, "a reason").warning
+
+
+def test_remedy_is_that_of_an_error_of_second_order():
+    """Of 8 % a quarter is admitted: 0.9 times half of the spacing, and 7 cells for 3 across a wall."""
+    file = SimpleNamespace(section=SimpleNamespace(spacing=1.0, layers=4))
+    assert module._with_remedy(file, 0.08).filling == (0.45, 8)
+    assert module._with_remedy(file, LARGEST).filling is None
 
 
 def test_analyze_prints_the_error_of_a_file_without_spacing(bulb, tmp_path, capsys):
