@@ -19,6 +19,7 @@ from seal_mdao.measures.retention import CompressionSet
 from seal_mdao.measures.section_shape import Displacement
 from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.outline.section_cloud import OutlineCloud
 from seal_mdao.seals.result import Known, analyze, analyze_particles
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -55,6 +56,27 @@ def test_round_section(tmp_path):
     # new particles of the arc lie on it, not on its chords
     side = fine.nominal_particles[fine.body.edge("side").particles]
     np.testing.assert_allclose(np.hypot(side[:, 0], side[:, 1] - 3.0), 3.0, rtol=0, atol=1e-12)
+
+
+def test_triangles_are_divided_into_three(tmp_path):
+    """Every third cell of a section is two triangles, as in meshes of other programs."""
+    file = sm.read_seal_file(cord(tmp_path))
+    seal = unchosen_seal(file)
+    cells = []
+    for number, (a, b, c, d) in enumerate(seal.body.cells.tolist()):
+        cells += [[a, b, c, d]] if number % 3 else [[a, b, c, c], [a, c, d, d]]
+    cloud = OutlineCloud(
+        seal.nominal_particles, np.array(cells), tuple(seal.loops), np.zeros(len(cells), int),
+        boundaries=seal.boundaries, kernels=seal.kernels,
+    )  # fmt: skip
+    file = replace(file, section=replace(file.section, spacing=cloud), designs=())
+    mixed = unchosen_seal(file)
+    finer = refined_file(file, mixed)
+    fine = unchosen_seal(finer.file)
+    check(mixed, fine, finer)
+    triangles = int((mixed.body.cells[:, 2] == mixed.body.cells[:, 3]).sum())
+    assert 0 < triangles < len(cells)
+    assert len(finer.parents) == 4 * len(cells) - triangles
 
 
 @pytest.mark.parametrize("name", ["paper_seal", "weatherstrip", "two_seals"])
