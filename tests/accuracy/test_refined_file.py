@@ -2,6 +2,7 @@
 
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ import seal_mdao as sm
 from seal_mdao.accuracy.error_estimate import some_ends
 from seal_mdao.accuracy.prolongation import Prolongation
 from seal_mdao.accuracy.refined_file import refined_file
+from seal_mdao.analysis.problem import PathProblem
+from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.equilibrium.discretization import discretize
 from seal_mdao.measures.contact_pressure import ContactPressure
 from seal_mdao.measures.gap import GapSquareIntegral
@@ -21,6 +24,7 @@ from seal_mdao.measures.stress import VonMises
 from seal_mdao.seals.file.build import unchosen_seal
 from seal_mdao.seals.outline.section_cloud import OutlineCloud
 from seal_mdao.seals.result import Known, analyze, analyze_particles
+from seal_mdao.structure.structural_term import StructuralTerm
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -128,6 +132,36 @@ def test_prolongation_is_exact_for_linear_displacements(tmp_path):
     d = Prolongation(coarse.path, {1: step}, body, finer.parents)._prolongated(step)
     # the linear field has these coefficients on both clouds
     np.testing.assert_allclose(d, rates * fine.nominal_particles, rtol=0, atol=1e-12)
+
+
+def test_prolongation_has_the_gaps_and_volume_changes_of_the_coarse_cloud(tmp_path):
+    """Gaps in proportion to x stay so, but for the difference of chords and arcs (h^2 / 8 R)."""
+    seal, fine, finer = both(cord(tmp_path))
+    coarse = analyze(seal)
+    body = discretize(fine.body, fine.nominal_particles, fine.terms())
+    step = coarse.path.nominal_steps[-1]
+    near = Prolongation(coarse.path, {1: step}, body, finer.parents)
+    kinds = set()
+    for term, own in zip(
+        PathProblem(body, fine.terms()).terms, coarse.path.problem.terms, strict=True
+    ):
+        kinds.add(type(own))
+        if isinstance(own, ContactTerm):
+            old, new = (
+                one.where.points.at(at.particles)[:, 0]
+                for one, at in ((own, coarse.path.discretization), (term, body))
+            )
+            found = near._known(term, own, SimpleNamespace(gap=old), step)
+            np.testing.assert_allclose(found, new, rtol=0, atol=0.05)
+            # points of both clouds
+            same = np.isin(new, old)
+            assert same.any()
+            np.testing.assert_array_equal(found[same], new[same])
+        elif isinstance(own, StructuralTerm):
+            exact = own.volume_strain_at(step.d, step.fraction)[finer.parents]
+            np.testing.assert_array_equal(near._known(term, own, None, step), exact)
+            assert np.ptp(exact) > 0.0
+    assert {ContactTerm, StructuralTerm} <= kinds
 
 
 INDICES = {"point", "points", "patches", "nominal"}
