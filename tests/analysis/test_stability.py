@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -124,6 +125,10 @@ def test_the_other_branch_says_where_it_is_unstable(swayed, upright):
     assert len(unstable) > 50
     for step in unstable[::18]:
         assert lowest_eigenvalue(upright, step) < 0.0
+    # one point for every loss of stability, not for every unstable step
+    stable = [True, *(step.stable for step in upright.path.steps)]
+    losses = sum(before and not after for before, after in pairwise(stable))
+    assert len(upright.critical_points) == losses < 5
     first = upright.critical_points[0]
     assert first.travel == pytest.approx(swayed.critical_points[0].travel, abs=0.1)
     assert (first.moved, first.released) == (0.0, 0.0)
