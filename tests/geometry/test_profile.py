@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
-from seal_mdao.geometry.curve import curve_point, curve_velocity
+from seal_mdao.geometry.curve import CUBIC, curve_point, curve_velocity
 from seal_mdao.geometry.profile import (
+    PieceRates,
+    Pieces,
     circle_profile,
     corner_profile,
     flat_profile,
     polyline_profile,
+    rigid_profile,
     segmented_corner_profile,
     trace,
 )
@@ -76,6 +79,22 @@ def test_curve_velocity_is_the_derivative_in_the_radius(form):
         for step, tolerance in ((1e-3, 1e-5), (1e-4, 1e-7)):
             plus, minus = (curve(FORMS[form](4.0 + s * step), piece, xi)[:3] for s in (1, -1))
             np.testing.assert_allclose((plus - minus) / (2 * step), found, atol=tolerance)
+
+
+def test_curve_velocity_of_a_cubic_whose_start_moves(rng):
+    """As that of a cubic behind a line whose length is a parameter; in it and beyond both ends."""
+    coefficient, change = rng.standard_normal((2, 1, 4, 2))
+
+    def made(t):
+        pieces = Pieces([CUBIC], [(0.0, 0.0)], [0.0], [1.0], [0.3 + 0.7 * t], [2.0],
+                        coefficient + t * change)  # fmt: skip
+        return rigid_profile(pieces, PieceRates(start=[[0.7]], coefficient=change[None]))
+
+    for xi in (-0.1, 0.4, 1.9, 2.5):
+        found = np.array(curve_velocity(made(0.0), 0, 0, xi))
+        sampled = [np.array(curve_point(made(t), 0, xi)[:3]) for t in (-2e-3, -1e-3, 1e-3, 2e-3)]
+        quotient = np.tensordot([1.0, -8.0, 8.0, -1.0], sampled, 1) / 12e-3
+        np.testing.assert_allclose(found, quotient, atol=1e-9)
 
 
 def test_vertical_side_and_flat_of_the_door_stay_where_they_are():
