@@ -159,6 +159,11 @@ def test_point_that_touches_in_the_first_step():
     result = sm.analyze(quick_model(start=9.6, n_steps=38), offsets, keep_factors=True)
     assert result.path.responses("door")[0].state.any()
     check_along(result, any_way(4))
+    direct, adjoint = (
+        sm.differentiate(result, measures=("reaction",), method=method).reaction
+        for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(direct, adjoint, rtol=0.0, atol=1e-9 * np.abs(adjoint).max())
 
 
 def test_area_gradient_is_exact(quick):

@@ -20,6 +20,7 @@ from ring_files import ring
 from two_rubbers import pressed_block
 
 import seal_mdao as sm
+from seal_mdao.dsa.sensitivity import particle_gradient
 from seal_mdao.plotting.field import fine_grid
 
 SERIES = "\n[material.rubber.viscoelastic]\ng = [0.3, 0.2]\ntau = [1.0, 100.0]\n"
@@ -127,6 +128,16 @@ def constants(seal):
     return tuple(
         name for name in seal.scalars if not name.endswith(("penalty", "_x", "_y", "angle"))
     )
+
+
+def test_direct_and_adjoint_agree_in_all_particles(result):
+    """More parameters than contacts pass functions on: the stresses pass all displacements on."""
+    measures = result.measures(("reaction",))
+    direct, adjoint = (
+        particle_gradient(result, (), measures, method)["particles"]["reaction"]
+        for method in ("direct", "adjoint")
+    )
+    np.testing.assert_allclose(direct, adjoint, rtol=0.0, atol=1e-8 * np.abs(adjoint).max())
 
 
 def test_direct_and_adjoint_agree(seal, result):
