@@ -50,6 +50,9 @@ AT_CORNER = 3.0
 """Distance from a re-entrant corner, in spacings there, within which it inverts material."""
 HIGH_PRESSURE = 9.0
 """Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
+AT_INTERFACE, MOST_OF_IT = 1.5, 0.25
+"""The same beside an interface between materials, and the quantile of its cells with a lower pressure
+from which on it is reported."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
 NO_STRAIN = 1e-9
@@ -89,8 +92,8 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = EvaluationPoints(path)
         checks = (
-            _crossing, _balance, _stability, _volume, _local, _inside_profiles, _inside_itself,
-            _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
+            _crossing, _balance, _stability, _volume, _interfaces, _local, _inside_profiles,
+            _inside_itself, _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
     return _KNOWN[path]
@@ -298,6 +301,21 @@ def _name_of(samples: EvaluationPoints, number: int) -> str:
     """Return the name of a region's material in quotes after a space; empty if it is the only one."""
     name = samples.path.problem.term("structure").definition.regions[number].name
     return f" {name!r}" if name else ""
+
+
+def _interfaces(samples: EvaluationPoints):
+    """Report materials that are confined at an interface under a pressure at which it may wrinkle."""
+    for number in range(len(samples.path.problem.term("structure").definition.regions)):
+        pressures = samples.interface_pressures(number)
+        if not pressures.size or np.quantile(pressures, MOST_OF_IT) <= AT_INTERFACE:
+            continue
+        yield Finding(
+            f"the pressure in material{_name_of(samples, number)} beside an interface between materials "
+            f"is {np.median(pressures):.3g} shear moduli: above {AT_INTERFACE:g} to 5 shear moduli the "
+            "displacements there may oscillate from particle to particle, so that forces and stresses "
+            "are wrong; look at the deformed shape, and compare with another spacing",
+            False,
+        )
 
 
 def squeezed_corner(samples: EvaluationPoints) -> str:

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from seal_mdao.analysis.path_result import PathResult
-from seal_mdao.rkpm.cells import sides_of
+from seal_mdao.rkpm.cells import beside, sides_of
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.visibility import parts_of_sides
 from seal_mdao.structure.particle_stress import deformation_gradients
@@ -158,12 +158,26 @@ class EvaluationPoints:
 
     def largest_pressure(self, number: int) -> float:
         """Largest hydrostatic pressure at the quadrature points of a region, over its shear modulus."""
+        return float(self._pressures(number).max())
+
+    def interface_pressures(self, number: int) -> np.ndarray:
+        """Mean hydrostatic pressure of the cells of a region that have sides on interfaces with other
+        regions, over its shear modulus, shape (m,)."""
+        body = self.path.discretization.body
+        if body.parts is None:
+            return np.empty(0)
+        region = self.path.problem.term("structure").definition.regions[number]
+        on = np.unique(body.on_interfaces[0])
+        return self._pressures(number)[beside(body.cells[region.at], on)].mean(axis=1)
+
+    def _pressures(self, number: int) -> np.ndarray:
+        """Hydrostatic pressure at the quadrature points of a region over its shear modulus, (m, q)."""
         structure, step = self.path.problem.term("structure"), self.path.steps[-1]
         region = structure.definition.regions[number]
         # -p = -K* sum_h N_h s_h, positive in compression
         tension = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
         own = structure.by_cell(tension)[..., region.at, :]
-        return float(-own.min()) / region.material.shear_modulus
+        return -own.reshape(-1, own.shape[-1]) / region.material.shear_modulus
 
     @cached_property
     def wall(self) -> float:
