@@ -222,11 +222,26 @@ def test_curved_parting_lines_are_followed_by_straight_sides(tmp_path):
     assert len(line) == 2
 
 
+def test_closed_parting_lines_surround_inserts(tmp_path):
+    """A circle, and three lines in any order and direction, beside a line across the section."""
+    drawing = Drawing(tmp_path).box()
+    on = {"layer": "split"}
+    drawing.model.add_circle((5, 5), 1, on)
+    for a, b in (((2, 2), (3, 2)), ((3, 3), (3, 2)), ((2, 2), (3, 3)), ((0, 8), (10, 8))):
+        drawing.model.add_line(a, b, on)
+    across, circle, triangle = read_drawing(drawing.saved(), parting=["split"]).parting
+    assert len(across) == 2
+    for closed in (circle, triangle):
+        np.testing.assert_array_equal(closed[0], closed[-1])
+    assert np.hypot(*(circle - 5.0).T) == pytest.approx(np.ones(len(circle)))
+    assert sorted(map(tuple, triangle[:-1].tolist())) == [(2, 2), (3, 2), (3, 3)]
+
+
 @pytest.mark.parametrize(("lines", "words"), [
     ([((0, 2), (9.99, 2))], "ends at (9.99, 2) inside the section, 0.01 mm away from its bou"),
     ([((0, 2), (10.5, 2))], "away from its boundary; shorten it to the boundary"),
     ([((0, 2), (5, 2)), ((5, 2), (10, 2)), ((5, 2), (5, 10))], "3 ends of parting lines meet at (5, 2)"),
-    ([((2, 2), (3, 2)), ((3, 2), (3, 3)), ((3, 3), (2, 2))], "is part of a closed parting line"),
+    ([((1, 5), (7, 5)), ((7, 5), (7, 7)), ((7, 7), (1, 5))], "is closed, but touches or leaves the sec"),
     ([((0, 0), (0, 10))], "the parting line from (0, 0) to (0, 10) between two materials does not run"),
     ([((0, 7), (10, 7)), ((0, 5), (10, 9))], "the lines 1 and 3 between materials (parting lines) "
     "cross at (5, 7)"),

@@ -179,7 +179,9 @@ def _moved_lines(seal, offsets) -> list:
         # the particles on the line, in order along it
         line = shapely.linestrings(cut)
         on = np.flatnonzero(shapely.distance(line, nominal) <= ON_CUT)
-        found.append(particles[on[np.argsort(shapely.line_locate_point(line, nominal[on]))]])
+        on = on[np.argsort(shapely.line_locate_point(line, nominal[on]))]
+        # a closed line ends at its first point
+        found.append(particles[np.append(on, on[:1]) if line.is_closed else on])
     return found
 
 

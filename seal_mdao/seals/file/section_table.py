@@ -106,8 +106,8 @@ class RegionTable(Table):
     )
     line: Points | None = key(
         "line that divides the part from the remaining section, from one point of the boundary to "
-        "another; parts of the line in holes are left out; optional for a complete body, and if a "
-        "drawing has parting lines",
+        "another (parts of it in holes are left out), or a closed line around an insert, whose last "
+        "point is its first one; optional for a complete body, and if a drawing has parting lines",
         None,
     )
 

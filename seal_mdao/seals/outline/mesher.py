@@ -64,8 +64,8 @@ def triangulate(loops, size: float, cuts=()) -> Triangles:
     size : float
         Largest side, mm; smaller next to shorter sides of loops.
     cuts : sequence of ndarray, shape (k, 2)
-        Straight sides through the inside from one point of a loop to another: sides of triangles lie
-        on them.
+        Straight sides through the inside from one point of a loop to another, or closed (the last point
+        is the first one): sides of triangles lie on them.
 
     Raises
     ------
@@ -129,16 +129,33 @@ def _unit_triangulated(loops, size, cuts, unit) -> Triangles:
 
 
 def _append_cut(geometry, cut, given, every, size, tolerance):
-    """Add a cut between points of the loops; the mesher divides its sides."""
+    """Add a cut between points of the loops, or a closed one; the mesher divides its sides."""
+    if np.array_equal(cut[0], cut[-1]):
+        numbers = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[:-1]]
+        numbers.append(numbers[0])
+    else:
+        first, last = _joined(cut, given, every, tolerance)
+        between = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[1:-1]]
+        numbers = [first, *between, last]
+    for a, b in pairwise(numbers):
+        geometry.Append(["line", a, b], leftdomain=1, rightdomain=1, maxh=float(size))
+
+
+def _joined(cut, given, every, tolerance) -> list:
+    """Find the points of the loops at both ends of a cut.
+
+    Raises
+    ------
+    GeometryError
+        For a cut that does not connect two of them.
+    """
     away = [np.hypot(*(given - end).T) for end in (cut[0], cut[-1])]
-    first, last = (every[int(a.argmin())] for a in away)
-    if max(a.min() for a in away) > tolerance or first == last:
+    ends = [every[int(a.argmin())] for a in away]
+    if max(a.min() for a in away) > tolerance or ends[0] == ends[1]:
         raise GeometryError(
             "a line between two materials (cut) must connect two different points of the boundary"
         )
-    between = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[1:-1]]
-    for a, b in pairwise([first, *between, last]):
-        geometry.Append(["line", a, b], leftdomain=1, rightdomain=1, maxh=float(size))
+    return ends
 
 
 def _generated(geometry, size, grading, n_sides):

@@ -1,4 +1,4 @@
-"""Parting lines of a drawing: chains of segments across the section, between regions."""
+"""Parting lines of a drawing, between regions: chains of segments across the section, or closed ones."""
 
 from collections import defaultdict
 from itertools import combinations
@@ -22,7 +22,8 @@ FINE = 1e-6
 
 
 def parted(outline: Outline, segments, names) -> tuple[Outline, tuple]:
-    """Chain loose segments to parting lines from boundary to boundary, and trim them (``trimmed``).
+    """Chain loose segments to parting lines, closed or from boundary to boundary, and trim them
+    (``trimmed``).
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ def parted(outline: Outline, segments, names) -> tuple[Outline, tuple]:
     Raises
     ------
     GeometryError
-        For a line that is closed, branches, does not end on the boundary, does not run through the
+        For a line that branches, is open and does not end on the boundary, does not run through the
         section, or crosses another one.
     """
     lines = []
@@ -61,13 +62,14 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
     boundary.
 
     Ends closer than 1e-3 mm to the boundary are moved onto it. Where no segments of the boundary meet
-    at an end of a part, the segment is divided, so that a particle is there.
+    at an end of a part, the segment is divided, so that a particle is there. A closed line, around an
+    insert, stays as it is.
 
     Parameters
     ----------
     outline : Outline
     line : array_like, shape (k, 2)
-        From boundary to boundary, mm.
+        From boundary to boundary, or back to its first point, mm.
 
     Returns
     -------
@@ -80,14 +82,16 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
     ------
     GeometryError
         For a line that crosses itself, does not end on the boundary, touches it elsewhere, or does not
-        run through the section, or a crossing too close to the end of a segment. The message lacks its
-        subject.
+        run through the section, for a closed line that is not inside the section, or a crossing too
+        close to the end of a segment. The message lacks its subject.
     """
     line = np.array(line, float)
     if not shapely.LineString(line).is_simple:
         raise GeometryError(
             f"from {pair(line[0])} to {pair(line[-1])} between two materials crosses itself"
         )
+    if len(line) > 3 and np.hypot(*(line[-1] - line[0])) <= JOIN:
+        return outline, [_closed(line, outline.shape(FINE))]
     # both ends onto the boundary, which they may divide
     for end in (0, -1):
         outline, line[end] = _attached(outline, line[end], "ends")
@@ -116,6 +120,25 @@ def trimmed(outline: Outline, line) -> tuple[Outline, list]:
             outline, part[end] = _attached(outline, part[end], "crosses")
         _require_clear(part, section)
     return outline, parts
+
+
+def _closed(line: np.ndarray, section) -> np.ndarray:
+    """Return a closed line (k, 2) whose last point is its first one.
+
+    Raises
+    ------
+    GeometryError
+        For a line that touches the boundary or leaves the section.
+    """
+    line = np.vstack([line[:-1], line[0]])
+    outside = shapely.LineString(line).difference(section.buffer(-JOIN))
+    if not outside.is_empty:
+        at = outside.representative_point().coords[0]
+        raise GeometryError(
+            f"is closed, but touches or leaves the section at {pair(at)}; let a closed line run inside "
+            "the section only, or let the line lead from one point of the boundary to another"
+        )
+    return line
 
 
 def _require_clear(part: np.ndarray, section) -> None:
@@ -156,7 +179,8 @@ def check_uncrossed(lines) -> None:
 
 
 def _chains(segments, names) -> list[tuple]:
-    """Chain segments head to tail, from one open end to another, with the name of the first one."""
+    """Chain segments head to tail, from one open end to another or back to the first one, with the name
+    of the first one."""
     ends = np.array([end for segment in segments for end in (segment.start, segment.end)])
     node, at = joined_ends(ends, JOIN), defaultdict(list)
     for number, joint in enumerate(node):
@@ -166,11 +190,12 @@ def _chains(segments, names) -> list[tuple]:
             which = " and ".join(dict.fromkeys(names[number // 2] for number in numbers))
             raise GeometryError(
                 f"{len(numbers)} ends of parting lines meet at {pair(ends[numbers[0]])}: {which}; "
-                "a parting line must connect two points of the boundary without branches"
+                "a parting line must be closed, or connect two points of the boundary without branches"
             )
     found, left = [], set(range(len(segments)))
-    # open ends in the order of the file
-    for first in (numbers[0] for numbers in at.values() if len(numbers) == 1):
+    # open ends in the order of the file, then what is left: closed chains
+    opened = [numbers[0] for numbers in at.values() if len(numbers) == 1]
+    for first in (*opened, *range(0, 2 * len(segments), 2)):
         end, chain, which = first, [], names[first // 2]
         while end is not None and end // 2 in left:
             here, forward = end // 2, end % 2 == 0
@@ -181,11 +206,6 @@ def _chains(segments, names) -> list[tuple]:
             end = next((other for other in at[node[far]] if other != far), None)
         if chain:
             found.append((chain, which))
-    if left:
-        raise GeometryError(
-            f"{names[min(left)]} is part of a closed parting line, but a region cannot lie inside "
-            "another one; draw a line that connects two points of the boundary"
-        )
     return found
 
 
@@ -218,10 +238,11 @@ def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
     distance, s, i, j = min(places)
     if distance > JOIN:
         inside = outline.shape(FINE).contains(shapely.Point(point))
-        where, cure = ("inside", "extend") if inside else ("outside of", "shorten")
+        where, cure = "outside of", "shorten it to the boundary"
+        if inside:
+            where, cure = "inside", "extend it to the boundary, or close it around an insert"
         raise GeometryError(
-            f"{verb} at {pair(point)} {where} the section, {distance:.3g} mm away from its boundary; "
-            f"{cure} it to the boundary"
+            f"{verb} at {pair(point)} {where} the section, {distance:.3g} mm away from its boundary; {cure}"
         )
     contours = list(outline.contours)
     segments = contours[i].segments

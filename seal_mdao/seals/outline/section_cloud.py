@@ -134,7 +134,7 @@ def cloud(loops, spacing: float, cuts=()) -> OutlineCloud:
     spacing : float
         Target distance of particles inside, mm; smaller where the points of the loops are closer.
     cuts : sequence of ndarray, shape (k, 2)
-        Straight sides from one point of even number to another, on which sides of cells lie.
+        Straight sides from one point of even number to another, or closed, on which sides of cells lie.
 
     Raises
     ------
