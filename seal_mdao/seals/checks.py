@@ -51,8 +51,8 @@ AT_CORNER = 3.0
 HIGH_PRESSURE = 9.0
 """Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
 AT_INTERFACE, MOST_OF_IT = 1.5, 0.25
-"""The same beside an interface between materials, and the quantile of its cells with a lower pressure
-from which on it is reported."""
+"""The same beside an interface between materials, and the fraction of its cells in which the pressure
+may be lower."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
 NO_STRAIN = 1e-9

@@ -137,6 +137,7 @@ def test_a_design_keeps_its_insert(tmp_path):
         ([[-5, 1], [1, 1], [1, 2], [-5, 2], [-5, 1]], r"leaves the section at \(-"),
         ([[-1, 1], [1, 2], [1, 1], [-1, 2], [-1, 1]], "crosses itself"),
         ([[-1, 1], [1, 1], [-1, 1]], "crosses itself"),
+        ([[-1, 1], [1, 1], [1, 1.001], [-1, 1]], "back to this point encloses no area"),
     ],
 )
 def test_closed_lines_that_are_no_interface_are_refused(tmp_path, line, words):

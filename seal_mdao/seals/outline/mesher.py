@@ -130,7 +130,8 @@ def _unit_triangulated(loops, size, cuts, unit) -> Triangles:
 
 def _append_cut(geometry, cut, given, every, size, tolerance):
     """Add a cut between points of the loops, or a closed one; the mesher divides its sides."""
-    if np.array_equal(cut[0], cut[-1]):
+    # a closed cut has at least three sides; Netgen crashes on others
+    if len(cut) > 3 and np.array_equal(cut[0], cut[-1]):
         numbers = [geometry.AppendPoint(*map(float, x), maxh=UNBOUNDED) for x in cut[:-1]]
         numbers.append(numbers[0])
     else:

@@ -128,9 +128,11 @@ def _closed(line: np.ndarray, section) -> np.ndarray:
     Raises
     ------
     GeometryError
-        For a line that touches the boundary or leaves the section.
+        For a line that encloses no area, touches the boundary or leaves the section.
     """
     line = np.vstack([line[:-1], line[0]])
+    if shapely.Polygon(line).buffer(-JOIN).is_empty:
+        raise GeometryError(f"from {pair(line[0])} back to this point encloses no area")
     outside = shapely.LineString(line).difference(section.buffer(-JOIN))
     if not outside.is_empty:
         at = outside.representative_point().coords[0]
@@ -242,7 +244,8 @@ def _attached(outline: Outline, point, verb: str) -> tuple[Outline, np.ndarray]:
         if inside:
             where, cure = "inside", "extend it to the boundary, or close it around an insert"
         raise GeometryError(
-            f"{verb} at {pair(point)} {where} the section, {distance:.3g} mm away from its boundary; {cure}"
+            f"{verb} at {pair(point)} {where} the section, {distance:.3g} mm away from its boundary; "
+            f"{cure}"
         )
     contours = list(outline.contours)
     segments = contours[i].segments
