@@ -6,7 +6,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from shapely import box, polygons, union_all
+from shapely import box, get_parts, polygons, union_all
+from shapely.ops import polylabel
 
 from seal_mdao.geometry.motion import BEFORE
 from seal_mdao.plotting import section_drawing as section
@@ -128,8 +129,10 @@ def _name_materials(axes, result) -> None:
     corners, shapes = result.particles[seal.body.cells], []
     for region in regions:
         shapes.append(union_all(polygons(corners[region.cells])))
-        place = shapes[-1].representative_point().coords[0]
-        axes.text(*place, region.name, **NAME)
+        # where there is most room, and not in an insert
+        largest = max(get_parts(shapes[-1]), key=lambda part: part.area)
+        place = polylabel(largest, tolerance=0.01 * np.sqrt(largest.area))
+        axes.text(*place.coords[0], region.name, **NAME)
     # sides that two materials share; bodies apart have none
     for number, shape in enumerate(shapes[:-1], 1):
         shared = shape.boundary.intersection(union_all(shapes[number:]).boundary)
