@@ -64,7 +64,7 @@ def coupled_particles(transformation: EssentialTransformation, tables, links=())
 
 
 def couplings(n_particles: int, tables, transformation, links=()):
-    """Find the particles coupled with constrained ones, and the pattern of all couplings.
+    """Find the particles coupled with constrained ones, and the patterns of couplings.
 
     Parameters
     ----------
@@ -76,28 +76,38 @@ def couplings(n_particles: int, tables, transformation, links=()):
     Returns
     -------
     coupled : ndarray of int
-    pattern : csr_array, shape (n, n)
-        Without the raw couplings of constrained particles, which the transformation brings to its union.
+    body, whole : csr_array, shape (n, n)
+        Couplings without links, and with them. Without the raw couplings of constrained particles,
+        which the transformation brings to its union.
     """
-    coupled = np.empty(0, int)
-    pattern, raw = csr_array((n_particles, n_particles), dtype=np.int32), None
+    coupled, shape = np.empty(0, int), (n_particles, n_particles)
+    body, raw = csr_array(shape, dtype=np.int32), None
     if transformation is not None:
-        coupled = coupled_particles(transformation, tables, links)
         raw = np.ones(n_particles, np.int32)
         raw[transformation.constrained] = 0
-        # K~_U. = T^T K_C. N fills the block of union x coupled, and its transpose
-        rows = np.repeat(transformation.union, coupled.size)
-        columns = np.tile(coupled, transformation.union.size)
-        clique = csr_array((np.ones(rows.size, np.int32), (rows, columns)), shape=pattern.shape)
-        pattern = pattern + clique + clique.T
+        coupled = coupled_particles(transformation, tables)
+        body = _with_transformed(body, transformation, coupled)
     for table in tables:
         # particles of one group are all coupled: S^T S
         sees = _seen(table, n_particles, raw)
-        pattern = pattern + sees.T @ sees
+        body = body + sees.T @ sees
+    whole = body
+    if links and transformation is not None:
+        coupled = coupled_particles(transformation, tables, links)
+        whole = _with_transformed(whole, transformation, coupled)
     for link in links:
         # pairs of points couple what both see: S^T (1 + P + P^T) S
         sees = _seen(link.table, n_particles, raw)
-        pattern = pattern + sees.T @ (link.partners @ sees)
-    pattern = csr_array(pattern)
-    pattern.sort_indices()
-    return coupled, pattern
+        whole = whole + sees.T @ (link.partners @ sees)
+    body, whole = csr_array(body), csr_array(whole)
+    body.sort_indices()
+    whole.sort_indices()
+    return coupled, body, whole
+
+
+def _with_transformed(pattern, transformation: EssentialTransformation, coupled):
+    """Add the blocks of union x coupled, and transposed, to a pattern: K~_U. = T^T K_C. N."""
+    rows = np.repeat(transformation.union, coupled.size)
+    columns = np.tile(coupled, transformation.union.size)
+    clique = csr_array((np.ones(rows.size, np.int32), (rows, columns)), shape=pattern.shape)
+    return pattern + clique + clique.T

@@ -162,7 +162,7 @@ class Body:
         if self.parts is not None:
             last = np.zeros(self.n_particles, int)
             np.maximum.at(last, self.cells, self.parts[:, None])
-            at_sides = parts_of_sides(self.cells, self.parts, sides)
+            _, at_sides = parts_of_sides(self.cells, self.parts, sides)
             others, of_others = self.on_interfaces
             anchors = np.vstack([anchors, others])
             parts = np.concatenate([last, at_sides, self.parts, of_others])
@@ -185,9 +185,7 @@ class Body:
         # the last part is followed by that of the next particle
         last = np.append(particle[1:] != particle[:-1], True)
         # the other part of a side between two is the first one
-        most = self.parts.max()
-        at_sides = parts_of_sides(self.cells, self.parts, self._sides)
-        first = most - parts_of_sides(self.cells, most - self.parts, self._sides)
+        first, at_sides = parts_of_sides(self.cells, self.parts, self._sides)
         between = first != at_sides
         anchors = np.vstack([
             np.repeat(particle[~last, None], 4, axis=1), np.tile(self._sides[between], 2)

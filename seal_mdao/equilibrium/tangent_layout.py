@@ -320,7 +320,7 @@ def equation_numbers(fixed: np.ndarray, tables, transformation=None) -> np.ndarr
 
     The numbering of the nominal body is valid for all designs.
     """
-    coupled, coupling = couplings(len(fixed), tables, _effective(transformation))
+    coupled, coupling, _ = couplings(len(fixed), tables, _effective(transformation))
     return number_equations(fixed, coupling, coupled)
 
 
@@ -350,8 +350,7 @@ def tangent_layout(
     transformation, constrained = _effective(transformation), np.empty(0, int)
     if transformation is not None:
         constrained = transformation.constrained
-    coupled, whole = couplings(len(equations), tables, transformation, links)
-    body = couplings(len(equations), tables, transformation)[1] if links else whole
+    coupled, body, whole = couplings(len(equations), tables, transformation, links)
     n, c, v = int(equations.max()) + 1, constrained.size, coupled.size
     storage = TangentStorage(equations, body, whole)
     # n equations, c constrained and v coupled particles: K_C. and K_.C have 2 c x 2 v entries each

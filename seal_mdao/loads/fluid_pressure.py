@@ -45,16 +45,16 @@ class FluidPressure(TermDefinition):
         Before the name of its parameter, ``label_pressure``.
     edge : ndarray of int, shape (k,)
         Particles along the edge, the body on the left.
-    end : {"start", "end"} or None
-        End of the edge from which the fluid comes. None for a pressure on the complete edge, which may
-        be closed: its first particle is then its last one, too.
+    end : {"start", "end"}
+        End of the edge from which the fluid comes.
     pressure : float
         Excess over the pressure at the other end, or on the rest of the boundary, kPa, at a ramp of 1.
     ramp : ndarray, shape (n_steps + 1,)
         Multiplier at the start and after every nominal step; linear between.
     contacts : tuple of RigidContact
         Profiles that close the edge; their points are particles. Their parameters are parameters of the
-        fluid, too. None for a pressure on the complete edge.
+        fluid, too. Without any the pressure acts on the complete edge, which may be closed: its first
+        particle is then its last one, too.
     share : float
         A point is dry where the true contact pressure exceeds 1 + share times the fluid pressure.
     corners : ndarray of bool, shape (k,), or None
@@ -64,12 +64,12 @@ class FluidPressure(TermDefinition):
     ------
     ValueError
         For a negative pressure or ramp, a share that is not above 0 and at most 1, another end, an edge
-        of less than two particles, contacts whose points lie between particles, contacts without an end.
+        of less than two particles, contacts whose points lie between particles.
     """
 
     label: str
     edge: np.ndarray
-    end: str | None
+    end: str
     pressure: float
     ramp: np.ndarray
     contacts: tuple
@@ -79,13 +79,7 @@ class FluidPressure(TermDefinition):
     def __post_init__(self):
         values.real(f"pressure of {self.label!r}", self.pressure, 0.0)
         values.real(f"share of {self.label!r}", self.share, above=0.0, high=1.0)
-        if self.end is not None:
-            values.one_of(f"end of {self.label!r}", self.end, ENDS)
-        elif self.contacts:
-            raise ValueError(
-                f"the fluid pressure {self.label!r} acts on its complete edge (end = None), so no "
-                "contact can close it; leave contacts empty"
-            )
+        values.one_of(f"end of {self.label!r}", self.end, ENDS)
         ramp = values.numbers(f"ramp of {self.label!r}", self.ramp)
         if ramp.ndim != 1 or not (np.isfinite(ramp) & (ramp >= 0.0)).all():
             raise ValueError(
@@ -104,7 +98,7 @@ class FluidPressure(TermDefinition):
     def particles(self) -> np.ndarray:
         """Particles of the edge, ordered from the wet end."""
         edge = np.asarray(self.edge, int)
-        return edge[::-1] if self.end == "end" else edge
+        return edge if self.end == "start" else edge[::-1]
 
     @property
     def weighted_by(self) -> np.ndarray:
@@ -113,7 +107,7 @@ class FluidPressure(TermDefinition):
         if self.corners is None:
             return np.column_stack([first, first + 1])
         # a side that ends at a corner has the weight of its first particle
-        corners = self.corners[::-1] if self.end == "end" else self.corners
+        corners = self.corners if self.end == "start" else self.corners[::-1]
         return np.column_stack([first, np.where(corners[1:], first, first + 1)])
 
     @property
@@ -189,7 +183,6 @@ class FluidPressureTerm(CoupledTerm):
         )
         self.pressure, self.ramp = definition.pressure, np.asarray(definition.ramp, float)
         self.share, self.particles = definition.share, definition.particles
-        self.comes_from_one_end = definition.end is not None
         self.output_indices = len(definition.edge)
         self.axisymmetric = discretization.body.axisymmetric
         self.rounding = self.pressure * float(self.ramp.max()) * float(np.abs(self.reference).max())
@@ -200,7 +193,7 @@ class FluidPressureTerm(CoupledTerm):
         ]
         # directed away from the wet end: of an edge from its start, the body is on the left
         self._sides = PressedSides(
-            definition.weighted_by, definition.end != "end", self.axisymmetric
+            definition.weighted_by, definition.end == "start", self.axisymmetric
         )
 
     # ---- the state ----

@@ -72,10 +72,7 @@ def _interface_directions(body, particles, elastic, inner) -> dict[int, list[np.
     if len(elastic.regions) == 1:
         return {}
     numbers = elastic.per_cell(range(len(elastic.regions)), len(body.cells), int)
-    # a side between two regions has another last region if their order is reversed
-    last = parts_of_sides(body.cells, numbers, inner)
-    first = len(elastic.regions) - 1
-    first -= parts_of_sides(body.cells, len(elastic.regions) - 1 - numbers, inner)
+    first, last = parts_of_sides(body.cells, numbers, inner)
     moduli = np.array([_moduli(region.material) for region in elastic.regions])
     ratio = np.abs(np.log(moduli[last] / moduli[first])).max(axis=1)
     found = {}

@@ -103,14 +103,17 @@ def particles_in_parts(cells: np.ndarray, parts: np.ndarray, n: int) -> np.ndarr
 
 
 def parts_of_sides(cells: np.ndarray, parts: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    """Find the last part of the cells at every side (m, 2) between two particles, shape (m,)."""
+    """Find the first and the last part of the cells at every side (m, 2) between two particles, which
+    differ on interfaces, shape (2, m)."""
     n = cells.max() + 1
     # a side as one integer
     ends = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=2), axis=2)
     known, which = np.unique(ends @ (n, 1), return_inverse=True)
-    last = np.zeros(known.size, int)
-    np.maximum.at(last, which.ravel(), np.repeat(parts, 4))
-    return last[np.searchsorted(known, np.sort(sides, axis=1) @ (n, 1))]
+    first, last = np.full(known.size, parts.max()), np.zeros(known.size, int)
+    of_ends = np.repeat(parts, 4)
+    np.minimum.at(first, which.ravel(), of_ends)
+    np.maximum.at(last, which.ravel(), of_ends)
+    return np.stack([first, last])[:, np.searchsorted(known, np.sort(sides, axis=1) @ (n, 1))]
 
 
 @internal

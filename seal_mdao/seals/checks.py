@@ -186,7 +186,7 @@ def _fluids(samples: EvaluationPoints):
                 False,
             )
         # w > 0 at the last particle of an edge that a contact should close
-        elif term.comes_from_one_end and weight[-1] > 0.0:
+        elif term.closings and weight[-1] > 0.0:
             yield Finding(
                 f"the fluid {term.label!r} passes the contact and acts on its complete edge: a pressure "
                 f"of {term.pressure_at(at_end):.4g} kPa needs a contact pressure of "
@@ -232,9 +232,8 @@ def _side(samples: EvaluationPoints):
 
 def _strains(samples: EvaluationPoints):
     """Report materials that are strained beyond the range for which their constants are known."""
-    path = samples.path
-    cells = path.discretization.body.cells
-    for number, region in enumerate(path.problem.term("structure").definition.regions):
+    cells = samples.path.discretization.body.cells
+    for number, region in enumerate(samples.material_regions):
         valid = region.material.valid
         if valid is None:
             continue
@@ -265,7 +264,7 @@ def _volume(samples: EvaluationPoints):
     # the exact strain is infinite at the end of a bond: refinement inverts more of it
     kinds = ends_of_bonds(samples, samples.undeformed)
     beside = kinds != ""
-    for number in range(len(samples.keeps_volume)):
+    for number in range(len(samples.material_regions)):
         own, (slight, none) = samples.regions == number, _least_volumes(samples, number)
         name = _name_of(samples, number)
         corner = least[own & beside].min(initial=np.inf)
@@ -299,13 +298,13 @@ def _least_volumes(samples: EvaluationPoints, number: int) -> tuple[float, float
 
 def _name_of(samples: EvaluationPoints, number: int) -> str:
     """Return the name of a region's material in quotes after a space; empty if it is the only one."""
-    name = samples.path.problem.term("structure").definition.regions[number].name
+    name = samples.material_regions[number].name
     return f" {name!r}" if name else ""
 
 
 def _interfaces(samples: EvaluationPoints):
     """Report materials that are confined at an interface under a pressure at which it may wrinkle."""
-    for number in range(len(samples.path.problem.term("structure").definition.regions)):
+    for number in range(len(samples.material_regions)):
         pressures = samples.interface_pressures(number)
         if not pressures.size or np.quantile(pressures, MOST_OF_IT) <= AT_INTERFACE:
             continue
@@ -322,7 +321,7 @@ def squeezed_corner(samples: EvaluationPoints) -> str:
     """Describe the re-entrant corner, such as the vertex of a notch, at which material is compressed
     most at the last converged step of a path; empty where it is not compressed beyond what is reported.
     """
-    slight = [_least_volumes(samples, number)[0] for number in range(len(samples.keeps_volume))]
+    slight = [_least_volumes(samples, number)[0] for number in range(len(samples.material_regions))]
     # points that are not below the threshold of their own material do not count
     change = samples.volume_change
     reported = np.where(change < np.array(slight)[samples.regions], change, np.inf)

@@ -56,8 +56,7 @@ def creases(samples: EvaluationPoints) -> str:
 
 def _growth(samples: EvaluationPoints) -> np.ndarray:
     """Free growth theta of the material of every region at the end of the path, shape (regions,)."""
-    regions = samples.path.problem.term("structure").definition.regions
-    return np.array([samples.growth(region) for region in regions])
+    return np.array([samples.growth(region) for region in samples.material_regions])
 
 
 def _across(samples: EvaluationPoints, chains) -> np.ndarray:

@@ -63,7 +63,7 @@ class EvaluationPoints:
         weights[: len(share)] = np.column_stack([halves, halves])
         parts = disc.body.parts
         if parts is not None:
-            sides = parts_of_sides(cells, parts, np.vstack([ends, inner]))
+            _, sides = parts_of_sides(cells, parts, np.vstack([ends, inner]))
             parts = np.concatenate([sides, of_others, parts])
         return PointSet(anchors, weights, 1, parts=parts)
 
@@ -153,31 +153,35 @@ class EvaluationPoints:
     @cached_property
     def keeps_volume(self) -> np.ndarray:
         """Whether the material of every region is nearly incompressible, K > 10 G, shape (regions,)."""
-        materials = [r.material for r in self.path.problem.term("structure").definition.regions]
+        materials = [region.material for region in self.material_regions]
         return np.array([m.bulk_modulus > KEEPS_VOLUME * m.shear_modulus for m in materials])
+
+    @property
+    def material_regions(self) -> tuple:
+        """The regions of the body, numbered as in ``regions``."""
+        return self.path.problem.term("structure").definition.regions
 
     def largest_pressure(self, number: int) -> float:
         """Largest hydrostatic pressure at the quadrature points of a region, over its shear modulus."""
-        return float(self._pressures(number).max())
+        region = self.material_regions[number]
+        return float(self._pressures[region.at].max()) / region.material.shear_modulus
 
     def interface_pressures(self, number: int) -> np.ndarray:
         """Mean hydrostatic pressure of the cells of a region that have sides on interfaces with other
         regions, over its shear modulus, shape (m,)."""
-        body = self.path.discretization.body
+        body, region = self.path.discretization.body, self.material_regions[number]
         if body.parts is None:
             return np.empty(0)
-        region = self.path.problem.term("structure").definition.regions[number]
-        on = np.unique(body.on_interfaces[0])
-        return self._pressures(number)[beside(body.cells[region.at], on)].mean(axis=1)
+        own = beside(body.cells[region.at], np.unique(body.on_interfaces[0]))
+        return self._pressures[region.at][own].mean(axis=1) / region.material.shear_modulus
 
-    def _pressures(self, number: int) -> np.ndarray:
-        """Hydrostatic pressure at the quadrature points of a region over its shear modulus, (m, q)."""
+    @cached_property
+    def _pressures(self) -> np.ndarray:
+        """Hydrostatic pressure at the quadrature points of all cells, shape (n_cells, q), kPa."""
         structure, step = self.path.problem.term("structure"), self.path.steps[-1]
-        region = structure.definition.regions[number]
         # -p = -K* sum_h N_h s_h, positive in compression
-        tension = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
-        own = structure.by_cell(tension)[..., region.at, :]
-        return -own.reshape(-1, own.shape[-1]) / region.material.shear_modulus
+        (tension,) = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
+        return -structure.by_cell(tension)
 
     @cached_property
     def wall(self) -> float:

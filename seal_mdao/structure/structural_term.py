@@ -281,7 +281,7 @@ class StructuralTerm(Term):
 
     def side_regions(self, sides: np.ndarray) -> np.ndarray:
         """Number of the region of sides (m, 2) of cells; between two regions the last one."""
-        return parts_of_sides(self.discretization.body.cells, self.cell_regions, sides)
+        return parts_of_sides(self.discretization.body.cells, self.cell_regions, sides)[1]
 
     @cached_property
     def sample_regions(self) -> np.ndarray:

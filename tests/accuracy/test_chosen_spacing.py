@@ -206,9 +206,8 @@ def test_a_coarse_error_that_is_small_by_chance(monkeypatch, tmp_path):
     assert found.worst.error <= 0.01
 
 
-def test_an_error_that_is_zero_on_a_coarse_cloud_has_no_order(monkeypatch, tmp_path):
-    """As the width of a contact that only smaller particles find; other errors need a second cloud."""
-    errors = {0.8: (0.03, 0.0), 0.416: (0.005, 0.02), 0.265: (0.005, 0.005)}
+def spacings_of_two_measures(monkeypatch, tmp_path, errors) -> list:
+    """Spacings tried with the estimated errors of a force and a contact width, by the spacing."""
 
     def estimated(spacing):
         force, width = errors[spacing]
@@ -216,20 +215,19 @@ def test_an_error_that_is_zero_on_a_coarse_cloud_has_no_order(monkeypatch, tmp_p
 
     errors_by(monkeypatch, estimated)
     path = accurate(tmp_path, '{ reaction = "1 %", contact_width = "1 %" }')
-    assert tried_spacings(path)[0] == list(errors)
+    return tried_spacings(path)[0]
+
+
+def test_an_error_that_is_zero_on_a_coarse_cloud_has_no_order(monkeypatch, tmp_path):
+    """As the width of a contact that only smaller particles find; other errors need a second cloud."""
+    errors = {0.8: (0.03, 0.0), 0.416: (0.005, 0.02), 0.265: (0.005, 0.005)}
+    assert spacings_of_two_measures(monkeypatch, tmp_path, errors) == list(errors)
 
 
 def test_slow_convergence_of_two_measures(monkeypatch, tmp_path):
     """Each of two measures has a larger error than before once: that says nothing about either."""
     errors = {0.8: (0.03, 0.02), 0.416: (0.04, 0.03), 0.25: (0.03, 0.04), 0.15: (0.005, 0.005)}
-
-    def estimated(spacing):
-        force, width = errors[spacing]
-        return {"reaction": estimate(force), "contact_width": estimate(width)}
-
-    errors_by(monkeypatch, estimated)
-    path = accurate(tmp_path, '{ reaction = "1 %", contact_width = "1 %" }')
-    assert tried_spacings(path)[0] == list(errors)
+    assert spacings_of_two_measures(monkeypatch, tmp_path, errors) == list(errors)
 
 
 def test_slower_convergence_ends(monkeypatch, tmp_path):

@@ -185,7 +185,7 @@ class FluidTable(Table):
             # a closed edge ends where it begins
             if section.sides(edges)[-1, 1] == particles[0]:
                 particles = np.append(particles, particles[0])
-            return FluidPressure(self.name, particles, None, self.pressure, ramp, ())
+            return FluidPressure(self.name, particles, "start", self.pressure, ramp, ())
         # contacts that touch the edges close them against the fluid
         closing = tuple(
             own for own in section.contacts if np.isin(particles, own.where.at_particles).any()
