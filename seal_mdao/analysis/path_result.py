@@ -187,9 +187,13 @@ class PathResult:
 
     def displacement(self, step: int = -1) -> np.ndarray:
         """Compute physical displacements u(X_J) at all particles of a nominal step, shape (n, 2), mm."""
+        return self.displacement_at(self.nominal_steps[step])
+
+    def displacement_at(self, step: ConvergedStep) -> np.ndarray:
+        """Compute displacements as of ``displacement`` at a converged step."""
         # u(X_J) = sum_I Phi_I(X_J) d_I
         out = np.empty_like(self.discretization.particles)
-        interpolate(self.discretization.everywhere.table, self.nominal_steps[step].d, out)
+        interpolate(self.discretization.everywhere.table, step.d, out)
         return out
 
     @cached_property

@@ -11,23 +11,25 @@ from seal_mdao.values import place
 
 
 def lost_bodies(path: PathResult) -> Iterator[str]:
-    """Yield a text about every body that has moved farther than profiles and supports can push it.
+    """Yield a text about every body that has moved farther than profiles and supports can push it, up to
+    the last converged step of a path, complete or not.
 
     The limit is the size of the section and the largest displacement of a profile or of a prescribed
-    particle. Bodies with a prescribed particle are left out.
+    particle. Motions along an axis along which a particle of the body is prescribed are left out.
     """
     disc = path.discretization
     of_body = bodies(disc.body.cells, disc.body.n_particles)
-    prescribed = disc.body.fixed.any(axis=1)
+    prescribed = disc.body.fixed
     size = float(np.ptp(disc.particles, axis=0).max())
-    pushed = max(_largest_motion(path), _largest(path, prescribed))
-    end = path.displacement()
+    pushed = max(_largest_motion(path), _largest_prescribed(path))
+    end = path.displacement_at(path.steps[-1])
     for number in range(of_body.max() + 1):
         own = of_body == number
         # particles that belong to no cell are none of a body
-        if own.sum() < 3 or prescribed[own].any():
+        if own.sum() < 3:
             continue
-        distance = float(np.hypot(*end[own].mean(axis=0)))
+        free = ~prescribed[own].any(axis=0)
+        distance = float(np.hypot(*(end[own].mean(axis=0) * free)))
         if not distance <= size + pushed:
             yield (
                 f"the body near {place(disc.particles[own].mean(axis=0))} has moved by "
@@ -45,7 +47,7 @@ def _largest_motion(path: PathResult) -> float:
     for term in path.problem.terms:
         if isinstance(term, ContactTerm):
             first = term.motion.pose(0.0)
-            others = (term.motion.pose(step.fraction) for step in path.nominal_steps)
+            others = (term.motion.pose(step.fraction) for step in path.steps)
             # x' = c + Q^T (x - z - c) at the start
             own = (corners - first.position - first.pivot) @ first.matrix + first.pivot
             moved = [np.hypot(*(pose.places(own) - corners).T).max() for pose in others]
@@ -53,10 +55,8 @@ def _largest_motion(path: PathResult) -> float:
     return float(found)
 
 
-def _largest(path: PathResult, particles: np.ndarray) -> float:
-    """Compute the largest displacement of some particles over all nominal steps, mm."""
-    steps = range(len(path.nominal_steps))
-    return max(
-        (float(np.hypot(*path.displacement(k)[particles].T).max(initial=0.0)) for k in steps),
-        default=0.0,
-    )
+def _largest_prescribed(path: PathResult) -> float:
+    """Compute the largest prescribed displacement of a particle over all converged steps, mm."""
+    prescribed = path.discretization.body.fixed
+    moved = (path.displacement_at(step) * prescribed for step in path.steps)
+    return max((float(np.hypot(*own.T).max()) for own in moved), default=0.0)

@@ -27,6 +27,7 @@ from seal_mdao.seals.clear_start import with_clear_starts
 from seal_mdao.seals.creases import creases
 from seal_mdao.seals.evaluation_points import EvaluationPoints
 from seal_mdao.seals.instabilities import Instability, instabilities
+from seal_mdao.seals.lost_bodies import lost_bodies
 from seal_mdao.seals.missing_contact import missing_contact
 from seal_mdao.seals.seal import Seal
 from seal_mdao.structure.particle_stress import deformation_gradients, particle_stress
@@ -42,6 +43,7 @@ ADVICE = (
     "penalty, or a design nearer to the nominal seal"
 )
 """For a path that could not be completed, where its cause is not known."""
+LAST = "At the last converged load step"
 PRELIMINARY_ADVICE = (
     "This is a preliminary increment before the first load step, because a profile overlaps the "
     "undeformed section at its start. Start the profile where it does not overlap the section, with a "
@@ -290,6 +292,9 @@ class SealResult:
         lost += f" The last converged load step was at {self.caption(done - 1)}." if done else ""
         first = PRELIMINARY_ADVICE if self._begins_before() else ADVICE
         advice = self._advice() if done else first
+        # where nothing holds a body the equations are singular: other advice is of no use
+        gone = next(lost_bodies(self.path), "") if self.path.steps else ""
+        advice = f"{LAST} {gone}" if gone else advice
         return (
             f"the analysis could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} "
@@ -302,12 +307,12 @@ class SealResult:
 
     def _advice(self) -> str:
         """Write what is remarkable at the last converged step of a path that failed, and what to do."""
-        samples, last = EvaluationPoints(self.path), "At the last converged load step"
+        samples = EvaluationPoints(self.path)
         # a fold of a free surface ends the path whatever the load steps and penalties are
         folded = creases(samples)
-        advice = f"{last} {folded}" if folded else ADVICE
+        advice = f"{LAST} {folded}" if folded else ADVICE
         corner = squeezed_corner(samples)
-        advice = f"{last} {corner}. {advice}" if corner else advice
+        advice = f"{LAST} {corner}. {advice}" if corner else advice
         near = missing_contact(self.path)
         return f"{near}. {advice}" if near else advice
 

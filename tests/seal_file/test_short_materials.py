@@ -125,14 +125,13 @@ def test_the_strain_that_is_reported_is_the_one_beyond_the_range():
     """Not the largest one, which may be within it: 0.51 is, 1.6 is not."""
     cells = np.arange(12).reshape(3, 4)
     region = SimpleNamespace(material=graded_sponge("2A3"), cells=None, name="")
-    structure = SimpleNamespace(definition=SimpleNamespace(regions=[region]))
-    path = SimpleNamespace(
-        discretization=SimpleNamespace(body=SimpleNamespace(cells=cells)),
-        problem=SimpleNamespace(term={"structure": structure}.get),
-    )
-    stretches = np.array([[0.51, 0.9], [0.9, 1.6], [1.0, 1.0]])
+    path = SimpleNamespace(discretization=SimpleNamespace(body=SimpleNamespace(cells=cells)))
     samples = SimpleNamespace(
-        path=path, cell_stretches=stretches, undeformed=np.ones((12, 2)), growth=lambda _: 1.0
+        path=path,
+        material_regions=[region],
+        cell_stretches=np.array([[0.51, 0.9], [0.9, 1.6], [1.0, 1.0]]),
+        undeformed=np.ones((12, 2)),
+        growth=lambda _: 1.0,
     )
     (found,) = _strains(samples)
     assert "0.9 to 1.6 near" in found.text

@@ -1,7 +1,5 @@
 """Bodies of a seal file that nothing prevents from sliding along a line."""
 
-from itertools import product
-
 import numpy as np
 
 from seal_mdao.contact.friction_by_group import FrictionByGroup
@@ -17,43 +15,42 @@ PARALLEL = 1e-9
 def check_sliding(file) -> None:
     """Raise SealFileError for a body of a ``SealFile`` that can slide along a line without resistance:
     no edge has a prescribed displacement along it, and all profiles that may touch the body are straight
-    lines parallel to it, without friction. Its position along this line would be arbitrary. Bodies whose
-    contact with each other resists sliding are one body here."""
+    lines parallel to it, without friction. Its position along this line would be arbitrary.
+
+    Contact with another body does not count: bodies are apart at the start (``check_apart``), where the
+    equations would be singular.
+    """
     outline = file.section.outline
     # a force of an extension may hold it
     if file.terms:
         return
-    bodies = [
-        {name for contour in contours for name in contour.edge_names} for contours in outline.bodies
-    ]
-    for number, names in enumerate(bodies):
-        along = _free_direction(file, names)
-        if along is None:
+    for number, contours in enumerate(outline.bodies, 1):
+        names = {name for contour in contours for name in contour.edge_names}
+        along, touching = _free_direction(file, names), _touching(file, names)
+        if along is None or not all(_slides(own, along) for own in touching):
             continue
-        joined = _joined(file, bodies, number, along)
-        if not all(_free(file, bodies[other], along) for other in joined):
-            continue
-        touching = [own.name for own in _touching(file, set.union(*(bodies[k] for k in joined)))]
-        first = outline.bodies[number][0].edge_names[0]
-        what = f"body {number + 1} (edge {first!r})" if outline.others else "the section"
-        if len(joined) > 1:
-            what += f", together with body {', '.join(str(k + 1) for k in joined if k != number)},"
+        what = (
+            f"body {number} (edge {contours[0].edge_names[0]!r})"
+            if outline.others
+            else "the section"
+        )
         axis = next((name for name, own in zip("xy", along, strict=True) if abs(own) == 1.0), None)
         line = axis or f"the direction ({along[0]:.4g}, {along[1]:.4g})"
+        profiles = ", ".join(repr(own.name) for own in touching)
         contact = (
-            f", and the profiles that may touch it ({', '.join(map(repr, touching))}) are straight, "
-            "parallel to this direction and without friction"
+            f", and the profiles that may touch it ({profiles}) are straight, parallel to this "
+            "direction and without friction"
         )
         between = (
-            "; nor does the contact with another body ([self_contact]) resist this motion"
-            if file.self_contact is not None and len(joined) < len(bodies)
-            else ""
+            "; contact with another body ([self_contact]) does not hold it at the start, where they "
+            "are apart"
         )
         friction = ", or give a profile a friction coefficient above 0"
         raise SealFileError(
             f"{what} can slide along {line} without resistance, because no edge has a prescribed "
-            f"displacement in this direction{contact if touching else ''}{between}; fix an edge in this "
-            f"direction ([fixed] with directions){friction if touching else ''}"
+            f"displacement in this direction{contact if touching else ''}"
+            f"{between if outline.others and file.self_contact is not None else ''}; fix an edge in "
+            f"this direction ([fixed] with directions){friction if touching else ''}"
         )
 
 
@@ -78,53 +75,6 @@ def _free_direction(file, names: set) -> np.ndarray | None:
         return np.eye(2)[1 - held.pop()]
     # nothing is prescribed: the line of the first profile
     return _direction(profiles[0]) if profiles else None
-
-
-def _free(file, names: set, along: np.ndarray) -> bool:
-    """Whether neither edges nor profiles resist a motion of a body along a line."""
-    return all(along[axis] == 0.0 for axis in _prescribed(file, names)) and all(
-        _slides(own, along) for own in _touching(file, names)
-    )
-
-
-def _joined(file, bodies: list, first: int, along: np.ndarray) -> list[int]:
-    """List the bodies that slide together with a body along a line, this one too: contact between them
-    resists sliding past each other."""
-    found = [first]
-    for number in found:
-        found += [
-            other
-            for other in range(len(bodies))
-            if other not in found and _resists(file, bodies[number], bodies[other], along)
-        ]
-    return found
-
-
-def _resists(file, one: set, other: set, along: np.ndarray) -> bool:
-    """Whether contact between two bodies resists sliding past each other along a line: it has friction,
-    or one of its edges is not straight and parallel to the line."""
-    contact, outline = file.self_contact, file.section.outline
-    if contact is None:
-        return False
-    laws = {frozenset(pair.edges): pair.friction for pair in contact.pairs}
-    edges = [[name for name in contact.edges if name in names] for names in (one, other)]
-    for pair in product(*edges):
-        law = laws.get(frozenset(pair), contact.friction)
-        # only the listed pairs touch where there is no friction of all others
-        if law is None:
-            continue
-        straight = (_parallel(own, along) for name in pair for own in outline.edge(name))
-        if law != 0.0 or not all(straight):
-            return True
-    return False
-
-
-def _parallel(segment, along: np.ndarray) -> bool:
-    """Whether a segment is a line parallel to a direction (2,)."""
-    if not isinstance(segment, Line):
-        return False
-    chord = np.subtract(segment.last, segment.first)
-    return bool(abs(along[0] * chord[1] - along[1] * chord[0]) <= PARALLEL * np.hypot(*chord))
 
 
 def _direction(profile) -> np.ndarray | None:
