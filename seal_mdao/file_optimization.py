@@ -29,7 +29,7 @@ CHOSEN = "chosen"
 """What a recorder file calls particles, load steps and penalties that were chosen, as ``build_seal``
 takes them."""
 
-FILLING = ("spacing", "layers", "edge_spacing", "quadrature")
+FILLING = ("spacing", "layers", "edge_spacing")
 """Attributes of a section that give its cloud."""
 
 
@@ -91,7 +91,7 @@ def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
     design : SealFile
         As ``write_design`` writes it.
     nominal : SealFile
-        Whose section gives spacing or rays, layers and quadrature of the new cloud; where it names a
+        Whose section gives spacing or rays and layers of the new cloud; where it names a
         mesh file, its cells give them.
 
     Raises
@@ -118,9 +118,11 @@ def _filling_like(given: OutlineCloud) -> dict:
         For other shape functions or pressures than those of a ``spacing``.
     """
     kernels = given.kernels or Kernels()
-    along, across = in_both_directions(kernels.n_gauss)
-    same = (kernels.basis_order, kernels.column) == (Kernels.basis_order, Kernels.column)
-    if not same or given.support_axes is not None or along != across:
+    own, default = (
+        (kind.basis_order, kind.column, in_both_directions(kind.n_gauss))
+        for kind in (kernels, Kernels)
+    )
+    if own != default or given.support_axes is not None:
         raise SealFileError(
             "the mesh file named by cloud has other shape functions than new particles would have"
         )
@@ -135,7 +137,7 @@ def _filling_like(given: OutlineCloud) -> dict:
         for edge, length in zip(boundary.edge.tolist(), side.tolist(), strict=True):
             sides[edge] = max(sides.get(edge, 0.0), length)
     fine = {edge: length for edge, length in sides.items() if length < spacing}
-    return {"spacing": spacing, "layers": layers, "edge_spacing": fine, "quadrature": along}
+    return {"spacing": spacing, "layers": layers, "edge_spacing": fine}
 
 
 def optimized_measures(file: SealFile, seal: Seal, nominal: SealResult) -> tuple[tuple, dict]:

@@ -26,7 +26,7 @@ FIRST_DEPTH = 4.9
 def make(out: Path, reduced: bool) -> dict:
     """Pictures and numbers."""
     numbers = _flat(out, reduced) | _corners(out, reduced) | _clouds(reduced) | _arch(out, reduced)
-    return numbers | _blocks(reduced)
+    return numbers | _block(reduced)
 
 
 @captioned(DOOR_SEAL)
@@ -103,22 +103,11 @@ def _arch(out, reduced) -> dict:
     return {"arch_table": table(head, rows), "arch_energy": percent(arches[0].released - 1.0)}
 
 
-def _blocks(reduced) -> dict:
-    """Pressure over the shear modulus at which a block between walls is not stable any more, for two
-    bulk moduli, and the stretch at which free sides wrinkle."""
-    found, steps = {}, 5 if reduced else 20
-    for ratio in (100.0, 1000.0):
-        final = 1.0 - 15.0 / ratio  # the pressure there is about 15 shear moduli
-        block = squeeze(
-            MooneyRivlin(0.4, 0.1, ratio), walls=True, final_stretch=final, n_steps=steps
-        )
-        found[f"confined_{ratio:.0f}"] = f"{block.pressure[_first_unstable(block.path)]:.0f}"
-    block = squeeze(MooneyRivlin(0.4, 0.1, 1000.0), n_steps=steps)
-    return found | {"wrinkled": f"{block.stretch[_first_unstable(block.path)]:.2f}"}
-
-
-def _first_unstable(path) -> int:
-    return next(i for i, step in enumerate(path.nominal_steps) if not step.stable)
+def _block(reduced) -> dict:
+    """Stretch at which the free sides of a block wrinkle."""
+    block = squeeze(MooneyRivlin(0.4, 0.1, 1000.0), n_steps=5 if reduced else 20)
+    first = next(i for i, step in enumerate(block.path.nominal_steps) if not step.stable)
+    return {"wrinkled": f"{block.stretch[first]:.2f}"}
 
 
 def _shapes(path: Path, arches) -> None:

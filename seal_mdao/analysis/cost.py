@@ -35,8 +35,8 @@ PAIR_SECONDS = 2.5e-5
 SELF_CONTACT = 3.0
 """Factor on the time of a load step with self-contact."""
 ENTRY_BYTES, VALUE_BYTES, PARTICLE_BYTES, STEP_BYTES = 35, 96, 30_000, 60
-"""Bytes for each: pair of particles in a cell; quadrature point and particle in a cell; particle;
-particle and step."""
+"""Bytes for each: pair of particles in a cell; quadrature point, or pair of area rows, and particle in a
+cell; particle; particle and step."""
 LONG = 60.0
 """Seconds above which an analysis is announced."""
 MOST_HOURS = 24.0
@@ -114,7 +114,8 @@ def analysis_cost(
     step = ENTRY_SECONDS * q * entries + PARTICLE_SECONDS * n + FACTOR_SECONDS * (n * sight) ** 1.5
     step *= SELF_CONTACT if self_contact else 1.0
     # slots and values of the cells' tangents; shape functions and gradients; data by particle
-    memory = ENTRY_BYTES * entries + VALUE_BYTES * q * pairs + (
+    points = body.pressure.functions.shape[1] / body.pressure.cells
+    memory = ENTRY_BYTES * entries + VALUE_BYTES * points * pairs + (
         PARTICLE_BYTES + STEP_BYTES * n_steps
     ) * n  # fmt: skip
     return Cost(PAIR_SECONDS * pairs + n_steps * step, memory / 2**30)
@@ -157,8 +158,8 @@ def require_means(cost: Cost, body: Body, n_steps: int) -> None:
     there, hours = machine_memory(), most_hours()
     what = f"the analysis of {body.n_particles} particles in {n_steps} load steps needs about"
     fewer = (
-        "use a larger particle spacing (spacing, or fewer rays and layers), fewer Gauss points "
-        "(quadrature of a seal file, n_gauss in Python) or fewer load steps (steps, n_steps)"
+        "use a larger particle spacing (spacing, or fewer rays and layers) or fewer load steps "
+        "(steps, n_steps)"
     )
     if cost.memory > there:
         raise TooLargeError(

@@ -148,7 +148,7 @@ class Body:
     @cached_property
     def pressure(self) -> PressureSpace:
         """Interpolation functions of the pressure in every column of cells."""
-        return through_column(self.column, self.n_gauss)
+        return through_column(self.column, self.n_gauss, self.axisymmetric)
 
     @cached_property
     def samples(self) -> PointSet:

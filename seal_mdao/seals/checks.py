@@ -17,7 +17,6 @@ from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.loads.fluid_pressure import FluidPressureTerm
 from seal_mdao.measures.singular_points import REENTRANT_CORNER
-from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.arbitrary_side import arbitrary_side
 from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
 from seal_mdao.seals.creases import creases
@@ -48,11 +47,6 @@ SOLID_VOLUME = 0.2
 takes up. Largest stresses agree under refinement above 0.3, and differ by factors below 0.1."""
 AT_CORNER = 3.0
 """Distance from a re-entrant corner, in spacings there, within which it inverts material."""
-HIGH_PRESSURE = 9.0
-"""Pressure over the shear modulus above which particles may oscillate with 2 x 2 Gauss points a cell."""
-AT_INTERFACE, MOST_OF_IT = 1.5, 0.25
-"""The same beside an interface between materials, and the fraction of its cells in which the pressure
-may be lower."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
 NO_STRAIN = 1e-9
@@ -92,7 +86,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = EvaluationPoints(path)
         checks = (
-            _crossing, _balance, _stability, _volume, _interfaces, _local, _inside_profiles,
+            _crossing, _balance, _stability, _volume, _local, _inside_profiles,
             _inside_itself, _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
@@ -284,7 +278,7 @@ def _volume(samples: EvaluationPoints):
             yield Finding(
                 f"material{name} is {_squeezed(change[worst])} between the quadrature points: det F = "
                 f"{change[worst]:.2g} at {_at(samples.undeformed[worst])} (undeformed coordinates), so "
-                f"the stress there is meaningless; {_volume_cure(samples, number)}",
+                f"the stress there is meaningless; {CURE}",
                 not change[worst] > none,
                 meaningless=True,
                 place=samples.undeformed[worst],
@@ -300,21 +294,6 @@ def _name_of(samples: EvaluationPoints, number: int) -> str:
     """Return the name of a region's material in quotes after a space; empty if it is the only one."""
     name = samples.material_regions[number].name
     return f" {name!r}" if name else ""
-
-
-def _interfaces(samples: EvaluationPoints):
-    """Report materials that are confined at an interface under a pressure at which it may wrinkle."""
-    for number in range(len(samples.material_regions)):
-        pressures = samples.interface_pressures(number)
-        if not pressures.size or np.quantile(pressures, MOST_OF_IT) <= AT_INTERFACE:
-            continue
-        yield Finding(
-            f"the pressure in material{_name_of(samples, number)} beside an interface between materials "
-            f"is {np.median(pressures):.3g} shear moduli: above {AT_INTERFACE:g} to 5 shear moduli the "
-            "displacements there may oscillate from particle to particle, so that forces and stresses "
-            "are wrong; look at the deformed shape, and compare with another spacing",
-            False,
-        )
 
 
 def squeezed_corner(samples: EvaluationPoints) -> str:
@@ -340,20 +319,6 @@ def squeezed_corner(samples: EvaluationPoints) -> str:
                 "corner (at the vertex of a notch smaller particle spacings do not help)"
             )
     return text
-
-
-def _volume_cure(samples: EvaluationPoints, number: int) -> str:
-    """Advise on a volume change of a region: more quadrature points at a high pressure, else as at a
-    corner."""
-    points = min(in_both_directions(samples.path.discretization.body.n_gauss))
-    pressure = samples.largest_pressure(number)
-    if points > 2 or not pressure > HIGH_PRESSURE:
-        return CURE
-    return (
-        f"the pressure in the rubber reaches {pressure:.3g} shear moduli; above about "
-        f"{HIGH_PRESSURE:g} the displacements may oscillate with 2 x 2 Gauss points per cell, so "
-        "use 3 x 3 (quadrature = 3 in [section] with a spacing)"
-    )
 
 
 def _squeezed(change: float) -> str:

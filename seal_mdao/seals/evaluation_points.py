@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from seal_mdao.analysis.path_result import PathResult
-from seal_mdao.rkpm.cells import beside, sides_of
+from seal_mdao.rkpm.cells import sides_of
 from seal_mdao.rkpm.shape_functions import PointSet
 from seal_mdao.rkpm.visibility import parts_of_sides
 from seal_mdao.structure.particle_stress import deformation_gradients
@@ -160,28 +160,6 @@ class EvaluationPoints:
     def material_regions(self) -> tuple:
         """The regions of the body, numbered as in ``regions``."""
         return self.path.problem.term("structure").definition.regions
-
-    def largest_pressure(self, number: int) -> float:
-        """Largest hydrostatic pressure at the quadrature points of a region, over its shear modulus."""
-        region = self.material_regions[number]
-        return float(self._pressures[region.at].max()) / region.material.shear_modulus
-
-    def interface_pressures(self, number: int) -> np.ndarray:
-        """Mean hydrostatic pressure of the cells of a region that have sides on interfaces with other
-        regions, over its shear modulus, shape (m,)."""
-        body, region = self.path.discretization.body, self.material_regions[number]
-        if body.parts is None:
-            return np.empty(0)
-        own = beside(body.cells[region.at], np.unique(body.on_interfaces[0]))
-        return self._pressures[region.at][own].mean(axis=1) / region.material.shear_modulus
-
-    @cached_property
-    def _pressures(self) -> np.ndarray:
-        """Hydrostatic pressure at the quadrature points of all cells, shape (n_cells, q), kPa."""
-        structure, step = self.path.problem.term("structure"), self.path.steps[-1]
-        # -p = -K* sum_h N_h s_h, positive in compression
-        (tension,) = structure.pressure(structure.deformation_of(step.d[None], [step.fraction]))
-        return -structure.by_cell(tension)
 
     @cached_property
     def wall(self) -> float:

@@ -7,6 +7,13 @@ functions N_h of ``pressure_functions``,
 
 where -c is the volume change that costs no energy. In plane strain J = det F; in a body of revolution
 J = h det F with the hoop stretch h of the third strain row (``rkpm.axisymmetry``) and the in-plane F.
+
+The sum of w det(F - 1) over a cell, which is part of that of w J, is replaced by what the rows of
+``rkpm.cell_areas`` give, so that J has the mean of the deformed cell:
+
+    V_h (s_h - c) = sum_q (N_h w (J - 1) - n_h w det(F - 1)) + sum_t n_h det G_t
+
+with the mean n_h of N_h over the cell.
 """
 
 from typing import NamedTuple
@@ -26,6 +33,8 @@ class Deformation(NamedTuple):
         F in the order 11, 12, 21, 22, and J - 1; in a body of revolution also h.
     square : ndarray, shape (K, n_columns, q)
         T = F : F.
+    areas : ndarray, shape (K, n_columns, t, 4)
+        G of the rows of areas, in the same order.
     volume_strain : ndarray, shape (K, n_columns, m)
         s_h.
     fractions : ndarray, shape (K,)
@@ -37,6 +46,7 @@ class Deformation(NamedTuple):
 
     f: np.ndarray
     square: np.ndarray
+    areas: np.ndarray
     volume_strain: np.ndarray
     fractions: np.ndarray
     offset: np.ndarray
@@ -56,22 +66,40 @@ def no_deformation(n_fields: int, cells, n_functions: int) -> Deformation:
     """Allocate ``n_fields`` displacement fields on the columns of a ``CellTable``."""
     shape = (n_fields, *cells.column_weights.shape)
     # with h in a body of revolution
-    size = 6 if cells.axisymmetric else 5
+    size, n_areas = 6 if cells.axisymmetric else 5, cells.raw.group_size - shape[2]
     return Deformation(
-        np.empty((*shape, size)), np.empty(shape), np.empty((*shape[:2], n_functions)),
-        np.zeros(n_fields), np.zeros(shape[:2]),
+        np.empty((*shape, size)), np.empty(shape), np.empty((*shape[:2], n_areas, 4)),
+        np.empty((*shape[:2], n_functions)), np.zeros(n_fields), np.zeros(shape[:2]),
     )  # fmt: skip
 
 
 @inlined
-def _volume_strain(functions, h, weights, column, f):
-    """s_h - c = sum_q N_h w (J - 1) / V_h of one column."""
-    volume, change = 0.0, 0.0
-    for q in range(len(f)):
-        # V_h += N_h w,  V_h (s_h - c) += N_h w (J - 1)
-        weighted = functions[h, q] * weights[column, q]
-        volume += weighted
-        change += weighted * f[q, 4]
+def cell_mean(functions, h, q, q_count):
+    """n_h of the cell of the quadrature point ``q``, of ``q_count`` of a column."""
+    # one of the rows of areas of the cell
+    return functions[h, q_count + q * (functions.shape[1] - q_count) // q_count]
+
+
+@inlined
+def gradient_determinant(f):
+    """det(F - 1)."""
+    return (f[0] - 1.0) * (f[3] - 1.0) - f[1] * f[2]
+
+
+@inlined
+def _volume_strain(functions, h, weights, column, f, areas):
+    """s_h - c of one column."""
+    volume, change, q_count = 0.0, 0.0, len(f)
+    for q in range(q_count):
+        # V_h += N_h w,  V_h (s_h - c) += N_h w (J - 1) - n_h w det(F - 1)
+        weight = weights[column, q]
+        volume += functions[h, q] * weight
+        change += functions[h, q] * weight * f[q, 4]
+        change -= cell_mean(functions, h, q, q_count) * weight * gradient_determinant(f[q])
+    for t in range(len(areas)):
+        # + n_h det G_t
+        g = areas[t]
+        change += functions[h, q_count + t] * (g[0] * g[3] - g[1] * g[2])
     return change / volume
 
 
@@ -125,6 +153,23 @@ def group_gradients(grad, displacement, n, q_count, f):
             f[q, 5] = 1.0 + widening
 
 
+@inlined
+def group_areas(grad, displacement, n, areas):
+    """G of the rows of areas of one group, ``areas`` (t, 4) in the order 11, 12, 21, 22: ``grad`` is
+    flat (t, row, neighbour), ``displacement`` (2, n)."""
+    rows = grad.size // (len(areas) * n)
+    for t in range(len(areas)):
+        g11, g12, g21, g22 = 0.0, 0.0, 0.0, 0.0
+        for i in range(n):
+            a, b = grad[rows * t * n + i], grad[(rows * t + 1) * n + i]
+            # G_i1 = sum_I d_Ii a_I,  G_i2 = sum_I d_Ii b_I
+            g11 += displacement[0, i] * a
+            g12 += displacement[0, i] * b
+            g21 += displacement[1, i] * a
+            g22 += displacement[1, i] * b
+        areas[t, 0], areas[t, 1], areas[t, 2], areas[t, 3] = g11, g12, g21, g22
+
+
 @internal
 def widest_group(table):
     """Largest number of neighbours of a group."""
@@ -149,13 +194,12 @@ def deform(table, weights, functions, d, out):
     int
         The first column with an inverted quadrature point, at which it stops, or -1.
     """
-    q_count, rows, displacement = (
-        table.group_size, grad_rows(table), np.empty((2, widest_group(table)))
-    )  # fmt: skip
+    (q_count, points), rows = (weights.shape[1], table.group_size), grad_rows(table)
+    displacement = np.empty((2, widest_group(table)))
     for column in range(table.start.size - 1):
         s0 = table.start[column]
         n = table.start[column + 1] - s0
-        grad = table.grad[rows * s0 * q_count : rows * (s0 + n) * q_count]
+        grad = table.grad[rows * s0 * points : rows * (s0 + n) * points]
         for i in range(n):
             near = table.neighbours[s0 + i]
             # d_I of the neighbours
@@ -170,9 +214,11 @@ def deform(table, weights, functions, d, out):
             out.square[0, column, q] = (
                 f[q, 0] * f[q, 0] + f[q, 1] * f[q, 1] + f[q, 2] * f[q, 2] + f[q, 3] * f[q, 3]
             )
+        areas = out.areas[0, column]
+        group_areas(grad[rows * n * q_count :], displacement, n, areas)
         for h in range(len(functions)):
             out.volume_strain[0, column, h] = (
-                _volume_strain(functions, h, weights, column, f) + out.offset[0, column]
+                _volume_strain(functions, h, weights, column, f, areas) + out.offset[0, column]
             )
     return -1
 
@@ -195,9 +241,9 @@ def group_displacements(d, near, out):
 @compiled
 def _deform_many(table, weights, functions, d, out):
     """As ``deform`` for fields that are known to be admissible, by one matrix product a column."""
-    q_count, widest, rows = table.group_size, widest_group(table), 2 * len(d)
+    q_count, widest, rows = weights.shape[1], widest_group(table), 2 * len(d)
     per_point = grad_rows(table)
-    points = per_point * q_count
+    points = per_point * table.group_size
     displacements, turned = np.empty(rows * widest), np.empty(widest * points)
     slopes = np.empty((rows, points))
     for column in range(table.start.size - 1):
@@ -225,9 +271,14 @@ def _deform_many(table, weights, functions, d, out):
                     f[4] += widening + f[4] * widening
                     f[5] = 1.0 + widening
                 out.square[k, column, q] = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3]
+            areas = out.areas[k, column]
+            for t in range(len(areas)):
+                at = per_point * (q_count + t)
+                areas[t, 0], areas[t, 1] = slopes[2 * k, at], slopes[2 * k, at + 1]
+                areas[t, 2], areas[t, 3] = slopes[2 * k + 1, at], slopes[2 * k + 1, at + 1]
             for h in range(len(functions)):
                 out.volume_strain[k, column, h] = (
-                    _volume_strain(functions, h, weights, column, out.f[k, column])
+                    _volume_strain(functions, h, weights, column, out.f[k, column], areas)
                     + out.offset[k, column]
                 )
 
@@ -236,6 +287,11 @@ def fill_deformations(cells, functions: np.ndarray, d: np.ndarray, out: Deformat
     """Fill the deformation of a ``CellTable`` at displacement fields (K, n, 2) of converged steps."""
     _deform_many(cells.table, cells.column_weights, functions, d, out)
     return out
+
+
+def determinants(f: np.ndarray) -> np.ndarray:
+    """Determinants of gradients (..., 4) in the order 11, 12, 21, 22."""
+    return f[..., 0] * f[..., 3] - f[..., 1] * f[..., 2]
 
 
 def lowest_jacobian(path) -> float:

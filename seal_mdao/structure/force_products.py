@@ -3,15 +3,15 @@
 Each has L of ``column_law``, the linearisation of w P in a column of cells, between rows B = grad Phi:
 
     rates     e = B' d
-              (w P)' = w L e + w' P + w p' cof F,    p' = K sum_h N_h s_h'
-              s_h' = sum_q N_h (w cof F : e + w' (J - 1 + c - s_h)) / V_h
+              (w P)' = L (e, w')
               f' = B^T (w P)' + B'^T w P                                          Eq. (46)
     seeds     e = -B lambda
               B_bar = w P e^T + w (L e) d^T
-              w_bar = P : e + sum_h K N_h (J - 1 + c - s_h) s_h',    s_h' at w' = 0
+              w_bar = P : e + sum_h K (N_h (J - 1 + c - s_h) - n_h det(F - 1)) s_h',    s_h' at w' = 0
     tangent   e = B u,    K u = B^T w L e                                         Eq. (44)
 
-In a body of revolution B has the hoop row Phi / R and e the strain of h (``column_law``).
+The rows of areas follow those of the quadrature points, with w = 1 (``column_law``). In a body of
+revolution B has the hoop row Phi / R and e the strain of h.
 
 The first two are kernels of their own, matrix products of a block of load steps in every column.
 """
@@ -46,10 +46,10 @@ def add_internal_force_rates(states, rates, weight_rates, equations, out):
     out : ndarray, shape (K, n_equations + 1, P)
     """
     table, functions, d = states.table, states.functions, states.d
-    q_count, n_steps, most = table.group_size, d.shape[0], out.shape[2]
+    q_count, n_steps, most = states.weights.shape[1], d.shape[0], out.shape[2]
     per_point, at_row = grad_rows(table), law_rows(strain_count(table))
-    rows, points, widest = 2 * n_steps, per_point * q_count, widest_group(table)
-    law, every = empty_law(table, len(functions), n_steps), np.arange(n_steps)
+    rows, points, widest = 2 * n_steps, per_point * table.group_size, widest_group(table)
+    law, every = empty_law(table, len(functions), q_count, n_steps), np.arange(n_steps)
     displacements, turned = np.empty(rows * widest), np.empty(points * widest)
     stress, by_parameter = np.empty((rows, points)), np.empty(points * widest * most)
     slope_rates, stress_rates = np.empty(rows * points * most), np.empty(rows * points * most)
@@ -82,14 +82,15 @@ def add_internal_force_rates(states, rates, weight_rates, equations, out):
         weights = states.weights[column]
         linearize_column(states, column, every, law)
         for k in range(n_steps):
-            for q in range(q_count):
+            for q in range(table.group_size):
                 # w P, rows (component, step)
+                weight = weights[q] if q < q_count else 1.0
                 for r in range(4):
-                    weighted = weights[q] * law.values[q, at_row.stress + r, k]
+                    weighted = weight * law.values[q, at_row.stress + r, k]
                     stress[r // 2 * n_steps + k, per_point * q + r % 2] = weighted
                 if per_point == 3:
                     # of h: along the first component
-                    weighted = weights[q] * law.values[q, at_row.stress + 4, k]
+                    weighted = weight * law.values[q, at_row.stress + 4, k]
                     stress[k, per_point * q + 2], stress[n_steps + k, per_point * q + 2] = (
                         weighted,
                         0.0,
@@ -142,20 +143,21 @@ def _outer(stress, lam, dual, d, out):
 
 @internal
 def _weight_seeds(law, at, strain, q, out):
-    """Compute w_bar = P : e + sum_h K N_h (J - 1 + c - s_h) s_h' at point ``q``."""
+    """Compute w_bar = P : e + sum_h K (N_h (J - 1 + c - s_h) - n_h det(F - 1)) s_h' at point ``q``."""
     change, first = law.values[q, at.change], q * (len(strain) // len(law.values))
+    determinant = law.values[q, at.determinant]
     contract(law.values[q], at.stress, at.strains, strain, first, 0, out)
     for h in range(len(law.functions)):
         for s in range(out.size):
-            # K N_h (J - 1 + c - s_h) s_h'
-            bulk, beyond = law.bulk[s] * law.functions[h, q], change[s] - law.volume_strain[h, s]
-            out[s] += bulk * beyond * law.volume_strain_rate[h, s]
+            beyond = law.functions[h, q] * (change[s] - law.volume_strain[h, s])
+            beyond -= law.means[h, q] * determinant[s]
+            out[s] += law.bulk[s] * beyond * law.volume_strain_rate[h, s]
 
 
 @internal
-def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_rates, step_of, out):
+def _constant_seeds(law, strain, weights, states, column, by_constants, by_pressure, step_of, out):
     """Compute the seeds on the constants c, ``out`` (C, S): sum_q w (dP/dc) : e."""
-    functions, on_f, most = states.functions, np.empty(step_of.size), len(by_constants)
+    on_f, most = np.empty(step_of.size), len(by_constants)
     at, per_point = law_rows(strain_count(states.table)), grad_rows(states.table)
     out[:] = 0.0
     for q in range(weights.size if most > 0 else 0):
@@ -171,12 +173,12 @@ def _constant_seeds(law, strain, weights, states, column, by_constants, bulk_rat
                     # + W_hc w e_h
                     by_h = by_constants[c, 2, step_of[s], column, q]
                     out[c, s] += weights[q] * by_h * strain[3 * q + 2, 0, 0, s]
+    for c in range(most):
+        for h in range(len(law.functions)):
             for s in range(step_of.size):
-                rate = bulk_rates[c, step_of[s], column]
-                if rate != 0.0:
-                    # w dP/dK : e = sum_h N_h s_h w cof F : e
-                    for h in range(len(functions)):
-                        out[c, s] += rate * (functions[h, q] * law.volume_strain[h, s] * on_cof[s])
+                # dP/dp_h : e = V_h ds_h/dF : e = V_h s_h' at w' = 0
+                rate = by_pressure[c, step_of[s], column, h] * law.volumes[h]
+                out[c, s] += rate * law.volume_strain_rate[h, s]
 
 
 @internal
@@ -189,7 +191,7 @@ def _add_rows(values, first, end, out, at):
 
 @compiled
 def add_internal_force_seeds(
-    states, by_constants, bulk_rates, step_of, adjoints, mix, equations, out
+    states, by_constants, by_pressure, step_of, adjoints, mix, equations, out
 ):
     """Add the seeds of L = -lambda . f on B, w and the constants: transpose of
     ``add_internal_force_rates``.
@@ -197,8 +199,8 @@ def add_internal_force_seeds(
     Parameters
     ----------
     states : BodyStates
-    by_constants, bulk_rates : ndarray, shapes (C, 2, K, n_columns, q), (C, K, n_columns)
-        d(W_T, W_J)/dc, and dK/dc.
+    by_constants, by_pressure : ndarray, shapes (C, 2, K, n_columns, q), (C, K, n_columns, m)
+        d(W_T, W_J)/dc, and dp_h/dc.
     step_of : ndarray of int, shape (S,)
         Step of every adjoint, sorted.
     adjoints, mix : ndarray, shapes (n_equations + 1, S), (S, M)
@@ -211,11 +213,11 @@ def add_internal_force_seeds(
     table, functions, d, (grad_bar, weight_bar, constants_bar) = (
         states.table, states.functions, states.d, out
     )  # fmt: skip
-    q_count, per_point, rows = table.group_size, grad_rows(table), 2 * d.shape[0]
-    points, at_row = per_point * q_count, law_rows(strain_count(table))
+    q_count, per_point, rows = states.weights.shape[1], grad_rows(table), 2 * d.shape[0]
+    points, at_row = per_point * table.group_size, law_rows(strain_count(table))
     (total, count), widest = mix.shape, widest_group(table)
     scalars = q_count + len(by_constants)
-    law, still = empty_law(table, len(functions), total), np.zeros((q_count, 1))
+    law, still = empty_law(table, len(functions), q_count, total), np.zeros((q_count, 1))
     displacements, strain = np.empty(rows * widest), np.empty((points, 2 * total))
     stress, dual = np.empty((points, 2, total)), np.empty((points, 2, total))
     duals, moved = np.empty(widest * 2 * total), np.empty((widest, 2, total))
@@ -242,19 +244,21 @@ def add_internal_force_seeds(
         product(law, weights, strains, still, 0, on_dual)
         size = points * n
         of_adjoints = block(terms, size + scalars, total)
-        for q in range(q_count):
-            _weight_seeds(law, at_row, strains, q, of_adjoints[size + q])
+        for q in range(table.group_size):
+            if q < q_count:
+                _weight_seeds(law, at_row, strains, q, of_adjoints[size + q])
+            weight = weights[q] if q < q_count else 1.0
             for r in range(4):
                 own, p = stress[per_point * q + r % 2, r // 2], law.values[q, at_row.stress + r]
                 for s in range(total):
-                    own[s] = weights[q] * p[s]
+                    own[s] = weight * p[s]
             if per_point == 3:
                 own, p = stress[per_point * q + 2], law.values[q, at_row.stress + 4]
                 for s in range(total):
                     # of h: along the first component
-                    own[0, s], own[1, s] = weights[q] * p[s], 0.0
+                    own[0, s], own[1, s] = weight * p[s], 0.0
         _constant_seeds(
-            law, strains, weights, states, column, by_constants, bulk_rates, step_of,
+            law, strains, weights, states, column, by_constants, by_pressure, step_of,
             of_adjoints[size + q_count :],
         )  # fmt: skip
         _outer(stress, lam.reshape(n, 2, total), dual, moved, of_adjoints)
@@ -285,9 +289,9 @@ def add_tangent_product(states, nodal, equations, out):
     """
     table, functions = states.table, states.functions
     q_count, points, count = (
-        table.group_size, grad_rows(table) * table.group_size, nodal.shape[2]
+        states.weights.shape[1], grad_rows(table) * table.group_size, nodal.shape[2]
     )  # fmt: skip
-    law, first = empty_law(table, len(functions), count), np.zeros(count, np.int64)
+    law, first = empty_law(table, len(functions), q_count, count), np.zeros(count, np.int64)
     still, stress = np.zeros((q_count, 1)), np.empty((points, 1, 2, count))
     for column in range(table.start.size - 1):
         s0 = table.start[column]

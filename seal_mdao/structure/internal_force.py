@@ -6,6 +6,13 @@ revolution the strains have h as a fifth component, with the hoop row Phi / R of
 W(T, J, h) has more derivatives (``materials.hoop_stretch``):
 
     P = 2 W_T F + W_J h cof F,    P_h = W_h + W_J det F,    J = h det F.
+
+The pressure p = K sum_h N_h s_h, of mean p_c = K sum_h n_h s_h in a cell, acts by the volume strain of
+``deformation``,
+
+    P = 2 W_T F + (W_J + p) h cof F - p_c (cof F - 1),    p_c cof G of the rows of areas,
+
+which is p 1 at the points of a cell with one pressure in plane strain.
 """
 
 import math
@@ -14,7 +21,7 @@ import numpy as np
 
 from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.shape_functions import grad_rows
-from seal_mdao.structure.deformation import at_point, volume_of, widest_group
+from seal_mdao.structure.deformation import at_point, cell_mean, volume_of, widest_group
 
 # Rows of the derivatives of W that only bodies of revolution have.
 W_H, W_TH, W_JH, W_HH = 5, 6, 7, 8
@@ -42,6 +49,33 @@ def piola_stress(f, w_t, w_j):
         2.0 * w_t * f[2] + on_cofactor * -f[1],
         2.0 * w_t * f[3] + on_cofactor * f[0],
     )
+
+
+@inlined
+def mean_pressure(functions, q, q_count, values):
+    """sum_h n_h v_h of the cell of a point."""
+    value = 0.0
+    for h in range(values.size):
+        value += cell_mean(functions, h, q, q_count) * values[h]
+    return value
+
+
+@inlined
+def without_quadratic(stress, f, pressure):
+    """P - p_c (cof F - 1): the derivative of what ``deformation`` leaves out, - p_c w det(F - 1)."""
+    return (
+        stress[0] - pressure * (f[3] - 1.0), stress[1] + pressure * f[2],
+        stress[2] + pressure * f[1], stress[3] - pressure * (f[0] - 1.0),
+    )  # fmt: skip
+
+
+@internal
+def remove_quadratic_moduli(pressure, a):
+    """Remove p_c d(cof F)/dF from the moduli ``a``."""
+    a[0, 3] -= pressure
+    a[3, 0] -= pressure
+    a[1, 2] += pressure
+    a[2, 1] += pressure
 
 
 @inlined
@@ -160,13 +194,14 @@ def _fill_row(grad, c, g, i, a, row):
 
 
 @internal
-def _scatter_tangent(grad, c, hoop, g, buffer, slots, values):
+def _scatter_tangent(grad, c, hoop, g, area_stiffness, buffer, slots, values):
     """Add sum_q B^T (w A B) + sum_h g_h g_h^T of one column of cells to the tangent, with the rows
-    ``hoop`` (q, 2 n) of w A B of h in a body of revolution.
+    ``hoop`` (q, 2 n) of w A B of h in a body of revolution, and ``area_stiffness`` (n, n), the
+    antisymmetric block of u_x and u_y.
 
     The matrix is symmetric: its rows are added as columns, which lie together in memory; computing
     one triangle only is slower, for the scatter then strides. The last term is the projected
-    pressure's, with g_h = sqrt(K / V_h) sum_q N_h w J_F B.
+    pressure's, with g_h = sqrt(K / V_h) V_h ds_h/dd.
     """
     n = grad.shape[2]
     row = buffer[: 2 * n]
@@ -178,9 +213,30 @@ def _scatter_tangent(grad, c, hoop, g, buffer, slots, values):
                     for j in range(row.size):
                         # Phi_I / R (w A_h B)
                         row[j] += grad[q, 2, a] * hoop[q, j]
+            # K_xy = C,  K_yx = C^T = -C
+            sign = 1.0 if i == 0 else -1.0
+            beside = row[n:] if i == 0 else row[:n]
+            for j in range(n):
+                beside[j] += sign * area_stiffness[a, j]
             first = (i * n + a) * row.size
             for j in range(row.size):
                 values[slots[first + j]] += row[j]
+
+
+@internal
+def _fill_area_stiffness(rows, pressures, out):
+    """Fill C = sum_t p_c (a b^T - b a^T), the second derivative of sum_t p_c det G_t in u_x and u_y, for
+    the ``rows`` (t, 2 or 3, n) of areas and their ``pressures`` (t,)."""
+    n = rows.shape[2]
+    for i in range(n):
+        row = out[i]
+        for j in range(n):
+            row[j] = 0.0
+        for t in range(len(rows)):
+            a, b = rows[t, 0], rows[t, 1]
+            on_b, on_a = pressures[t] * a[i], pressures[t] * b[i]
+            for j in range(n):
+                row[j] += on_b * b[j] - on_a * a[j]
 
 
 @compiled
@@ -192,8 +248,8 @@ def assemble_internal(
     Parameters
     ----------
     table : ShapeTable
-        Shape functions at the quadrature points, a group for a column of cells.
-    weights, functions : ndarray, shapes (n_columns, q), (m, q)
+        Shape functions at the quadrature points and rows of areas, a group for a column of cells.
+    weights, functions : ndarray, shapes (n_columns, q), (m, q + t)
         Of the quadrature, and of the pressure.
     deformation : Deformation
         Of ``deform``; its field ``k`` is taken.
@@ -207,8 +263,8 @@ def assemble_internal(
     force, values : ndarray
         Length n_equations + 1 (the last collects imposed components), and the tangent buffer.
     """
-    q_count, widest, rows = table.group_size, widest_group(table), grad_rows(table)
-    around = rows == 3
+    q_count, widest, rows = weights.shape[1], widest_group(table), grad_rows(table)
+    around, points = rows == 3, table.group_size
     strains = 5 if around else 4
     a, local = np.empty((strains, strains)), np.empty(2 * widest)
     hoop = np.empty((q_count if around else 0, 2 * widest))
@@ -216,6 +272,8 @@ def assemble_internal(
     passes = (q_count + 3) // 4
     passes = passes if passes > len(functions) else len(functions)
     g, c = np.empty((passes, 2 * widest)), np.empty((16 * passes, 2 * widest))
+    pressures, cofactor = np.empty(points - q_count), np.empty(2 * widest)
+    area_stiffness = np.empty((widest, widest))
     for i in range(2 * widest):
         for h in range(len(functions), passes):
             g[h, i] = 0.0
@@ -225,8 +283,8 @@ def assemble_internal(
         s0 = table.start[column]
         n = table.start[column + 1] - s0
         near = table.neighbours[s0 : s0 + n]
-        grad = table.grad[rows * s0 * q_count : rows * (s0 + n) * q_count]
-        grad = grad.reshape(q_count, rows, n)
+        grad = table.grad[rows * s0 * points : rows * (s0 + n) * points]
+        grad = grad.reshape(points, rows, n)
         # s_h of the column
         volume_strain = deformation.volume_strain[k, column]
         for i in range(2 * n):
@@ -235,10 +293,11 @@ def assemble_internal(
                 g[h, i] = 0.0
         for q in range(q_count):
             f, weight, b = deformation.f[k, column, q], weights[column, q], grad[q]
-            # P = 2 W_T F + (W_J + K sum_h N_h s_h) h cof F
+            # P = 2 W_T F + (W_J + p) h cof F - p_c (cof F - 1)
             pressure = bulk[column] * at_point(functions, q, volume_strain)
+            of_cell = bulk[column] * mean_pressure(functions, q, q_count, volume_strain)
             w_t, w_j = w[0, column, q], w[1, column, q] + pressure
-            p = piola_stress(f, w_t, w_j)
+            p = without_quadratic(piola_stress(f, w_t, w_j), f, of_cell)
             if carried.size:
                 # + F H
                 more = carried_stress(f, carried[column, q])
@@ -259,34 +318,53 @@ def assemble_internal(
                 # A = dP/dF at fixed pressure
                 w_tt, w_tj, w_jj = w[2, column, q], w[3, column, q], w[4, column, q]
                 point_moduli(f, w_t, w_j, w_tt, w_tj, w_jj, a)
+                remove_quadratic_moduli(of_cell, a)
                 if carried.size:
                     add_carried_moduli(carried[column, q], a)
                 if around:
                     w_th, w_jh, w_hh = w[W_TH, column, q], w[W_JH, column, q], w[W_HH, column, q]
                     hoop_moduli(f, w_j, w_th, w_jh, w_hh, a)
                     _moduli_rows(weight, a[4:], b, n, hoop, q)
-                f11, f12, f21, f22 = f[0], f[1], f[2], f[3]
                 for h in range(len(functions)):
-                    # g_h += N_h w J_F B, J_F = h cof F and J_h = det F
-                    weighted = functions[h, q] * weight * hoop_stretch(f)
+                    # g_h += N_h w J_F B - n_h w (cof F - 1) B, J_F = h cof F and J_h = det F
+                    mean = cell_mean(functions, h, q, q_count) * weight
+                    if mean == 0.0:
+                        # a function of other cells
+                        continue
+                    whole = functions[h, q] * weight * hoop_stretch(f) - mean
                     if around:
                         for i in range(n):
                             g[h, i] += functions[h, q] * weight * plane_jacobian(f) * b[2, i]
-                    if weighted != 0.0:
-                        for i in range(n):
-                            g[h, i] += weighted * (f22 * b[0, i] - f21 * b[1, i])
-                        for i in range(n):
-                            g[h, n + i] += weighted * (f11 * b[1, i] - f12 * b[0, i])
+                    on_x, on_y = whole * f[3] + mean, -whole * f[2]
+                    for i in range(n):
+                        g[h, i] += on_x * b[0, i] + on_y * b[1, i]
+                    on_x, on_y = -whole * f[1], whole * f[0] + mean
+                    for i in range(n):
+                        g[h, n + i] += on_x * b[0, i] + on_y * b[1, i]
                 _moduli_rows(weight, a[:4], b, n, c, 4 * q)
+        for t in range(points - q_count):
+            # p_c cof G,  g_h += n_h cof G of the rows of areas
+            on, b = deformation.areas[k, column, t], grad[q_count + t]
+            pressures[t] = bulk[column] * at_point(functions, q_count + t, volume_strain)
+            for i in range(n):
+                cofactor[i] = on[3] * b[0, i] - on[2] * b[1, i]
+                cofactor[n + i] = on[0] * b[1, i] - on[1] * b[0, i]
+            for i in range(2 * n):
+                local[i] += pressures[t] * cofactor[i]
+            for h in range(len(functions) if values.size else 0):
+                mean = functions[h, q_count + t]
+                for i in range(2 * n if mean != 0.0 else 0):
+                    g[h, i] += mean * cofactor[i]
         for i in range(n):
             # into the equations
             force[scatter.equations[near[i], 0]] += local[i]
             force[scatter.equations[near[i], 1]] += local[n + i]
         if values.size:
             for h in range(len(functions)):
-                # sqrt(K / V_h) g_h: K_p = sum_h K / V_h g_h g_h^T,  g_h = sum_q N_h w J_F B
+                # sqrt(K / V_h) g_h: K_p = sum_h K / V_h g_h g_h^T,  g_h = V_h ds_h/dd
                 root = math.sqrt(bulk[column] / volume_of(functions[h], weights[column]))
                 for i in range(2 * n):
                     g[h, i] *= root
             slots = scatter.slots[scatter.start[column] : scatter.start[column + 1]]
-            _scatter_tangent(grad, c, hoop, g, local, slots, values)
+            _fill_area_stiffness(grad[q_count:], pressures, area_stiffness)
+            _scatter_tangent(grad[:q_count], c, hoop, g, area_stiffness, local, slots, values)

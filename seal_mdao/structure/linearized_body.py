@@ -105,34 +105,39 @@ class BodyBlock:
             self._add_constants(design.parameters, loads)
 
     def _add_constants(self, constant_rates, loads):
-        """The force is linear in W_T, W_J, W_h and K; so its rates are forces of their rates."""
+        """The force is linear in W_T, W_J, W_h and p_h; so its rates are forces of their rates."""
         states = self.states
         by_constants = self.term.constant_derivatives(states.deformation, self.steps)
-        bulk_rates = self.term.bulk_rates(states.deformation.fractions)
+        by_pressure = self.term.pressure_rates(states.deformation)
         quadrature, w = (states.table, states.weights, states.functions), np.zeros_like(states.w)
+        unit = np.ones(states.bulk.shape[1])
         for row, rate in enumerate(constant_rates):
             if not rate.any():
                 continue
-            # f with W_T, W_J, W_h and K replaced by their derivatives in the constant
+            # f with W_T, W_J, W_h and p_h replaced by their derivatives in the constant
             w[:2] = by_constants[row, :2]
             w[W_H : W_H + 1] = by_constants[row, 2:]
+            deformation = states.deformation._replace(volume_strain=by_pressure[row])
             for k, load in enumerate(loads):
                 force = np.zeros(len(load))
                 assemble_internal(
-                    *quadrature, states.deformation, k, w[:, k], bulk_rates[row, k], _NOTHING,
-                    self.scatter, force, np.empty(0),
+                    *quadrature, deformation, k, w[:, k], unit, _NOTHING, self.scatter, force,
+                    np.empty(0),
                 )  # fmt: skip
                 load += np.outer(force, rate)
 
     def pull_back(self, adjoints, mixes, design: BodyDesign) -> None:
         """The transpose: seeds of -lambda . f on B, w and the constants."""
         term, n_steps = self.term, len(self.states.d)
-        constants, bulk_rates = np.empty((0, *self.states.w[:2].shape)), np.empty((0, n_steps, 0))
+        constants, by_pressure = (
+            np.empty((0, *self.states.w[:2].shape)),
+            np.empty((0, n_steps, 0, 0)),
+        )
         if design.wanted:
             constants = term.constant_derivatives(self.states.deformation, self.steps)
-            bulk_rates = term.bulk_rates(self.states.deformation.fractions)
+            by_pressure = term.pressure_rates(self.states.deformation)
         add_internal_force_seeds(
-            self.states, constants, bulk_rates, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
+            self.states, constants, by_pressure, np.repeat(np.arange(n_steps), [*map(len, mixes)]),
             np.hstack(adjoints), np.vstack(mixes), self.scatter.equations,
             (design.grad, design.weights, design.parameters[: len(constants)]),
         )  # fmt: skip

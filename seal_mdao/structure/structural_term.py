@@ -11,6 +11,7 @@ from seal_mdao.structure.column_law import BodyStates
 from seal_mdao.structure.deformation import (
     Deformation,
     deform,
+    determinants,
     fill_deformations,
     no_deformation,
 )
@@ -180,16 +181,11 @@ class StructuralTerm(Term):
         return out
 
     def constant_derivatives(self, deformation: Deformation, steps) -> np.ndarray:
-        """``law_derivatives`` at K converged steps, with what the history does, and with the pressure in
-        W_J that a parameter adds beside that of ``bulk_rates``."""
+        """``law_derivatives`` at K converged steps, with what the history does."""
         out = self.law_derivatives(deformation)
         if self.material_history is not None:
             responses = [step.responses[self.index] for step in steps]
             out = self.material_history.constant_derivatives(self, deformation, out, responses)
-        # K* c' acts with W_J
-        bulk = self.bulk_at(deformation.fractions)
-        for name, (_, offset) in self._volumetric(deformation.fractions).rates.items():
-            out[self.names.index(name), 1] += (bulk * offset)[..., None]
         return out
 
     def conditions(self, region: Region, fractions) -> RegionConditions:
@@ -257,6 +253,17 @@ class StructuralTerm(Term):
             out[self.names.index(name)] += self.bulk * by_name
         return out
 
+    def pressure_rates(self, deformation: Deformation) -> np.ndarray:
+        """Derivatives of the pressures K* s_h in every parameter at K fields of fixed displacements,
+        shape (C, K, n_columns, m)."""
+        fractions = deformation.fractions
+        # K*' s_h + K* c'
+        out = self.bulk_rates(fractions)[..., None] * deformation.volume_strain
+        bulk = self.bulk_at(fractions)
+        for name, (_, offset) in self._volumetric(fractions).rates.items():
+            out[self.names.index(name)] += (bulk * offset)[..., None]
+        return out
+
     def _placed(self, deformation: Deformation, fractions) -> Deformation:
         """Set the path parameters of a deformation whose arrays are to be filled."""
         deformation.fractions[:] = fractions
@@ -305,11 +312,29 @@ class StructuralTerm(Term):
     def pressure(self, deformation: Deformation) -> np.ndarray:
         """K* sum_h N_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
         bulk = self.bulk_at(deformation.fractions)
-        return bulk[..., None] * (deformation.volume_strain @ self.functions)
+        return bulk[..., None] * (deformation.volume_strain @ self._at_points)
+
+    def cell_pressure(self, deformation: Deformation) -> np.ndarray:
+        """p_c = K* sum_h n_h s_h at the quadrature points of K fields, shape (K, n_columns, q)."""
+        bulk = self.bulk_at(deformation.fractions)
+        return bulk[..., None] * (deformation.volume_strain @ self._cell_means)
 
     def squared_volume_strain(self, deformation: Deformation) -> np.ndarray:
         """sum_h N_h s_h^2 at the quadrature points of one field, shape (n_columns, q)."""
-        return deformation.volume_strain[0] ** 2 @ self.functions
+        return deformation.volume_strain[0] ** 2 @ self._at_points
+
+    @property
+    def _at_points(self) -> np.ndarray:
+        """N_h at the quadrature points, without the means n_h at the rows of areas, shape (m, q)."""
+        return self.functions[:, : self.cells.column_weights.shape[1]]
+
+    @property
+    def _cell_means(self) -> np.ndarray:
+        """n_h at the quadrature points, shape (m, q)."""
+        # one of the rows of areas of the cell of every point
+        points = self.cells.column_weights.shape[1]
+        n_areas = self.functions.shape[1] - points
+        return self.functions[:, points + np.arange(points) * n_areas // points]
 
     # ---- stress at points ----
 
@@ -389,8 +414,12 @@ class StructuralTerm(Term):
             ends = own[..., :4], own[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
             grown = np.subtract(*(plane_jacobian(np.moveaxis(end, -1, 0)) for end in ends))
             beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
-        # sum_q N_h w det G / V_h
-        return (weights * beyond) @ functions.T / (weights @ functions.T)
+        # sum_q N_h w det G, of which the part in the plane is that of the rows of areas
+        gradients = f[..., :4] - (1.0, 0.0, 0.0, 1.0)
+        of_cells = determinants(increment.areas[0]) @ functions[:, weights.shape[1] :].T
+        of_cells -= (weights * determinants(gradients)) @ self._cell_means.T
+        at_points = self._at_points.T
+        return ((weights * beyond) @ at_points + of_cells) / (weights @ at_points)
 
     def volume_strain_at(self, d: np.ndarray, fraction: float) -> np.ndarray:
         """Compute the projected volume change of the columns of cells at displacements ``d`` (n, 2),

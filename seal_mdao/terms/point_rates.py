@@ -106,14 +106,15 @@ def add_shape_seeds(table, points, x_bar, force, d, adjoint, mix, equations, phi
                             out[m] -= t * row[j] * mix[j, m]
 
 
-# ---- gradients F = 1 + sum_I d_I grad Phi_I of all k points of a table, in the order 11, 12, 21, 22,
-# and in a body of revolution h = 1 + sum_I d_I1 Phi_I / R, the product with the table's third row ----
+# ---- gradients F = 1 + sum_I d_I grad Phi_I of the k points of a table, the first ones of each group,
+# in the order 11, 12, 21, 22, and in a body of revolution h = 1 + sum_I d_I1 Phi_I / R, the product with
+# the table's third row ----
 
 
 @compiled
 def add_gradient_rates(table, rates, d, out):
     """Add sum_I d_I grad Phi_I' to ``out`` (k, 4 or 5, P)."""
-    of_point, q_count = grad_rows(table), table.group_size
+    of_point, q_count = grad_rows(table), len(out) // (table.start.size - 1)
     for g in range(table.start.size - 1):
         s0 = table.start[g]
         n = table.start[g + 1] - s0
@@ -137,12 +138,12 @@ def add_gradient_rates(table, rates, d, out):
 @compiled
 def add_field_gradient(table, equations, field, out):
     """Add sum_I v_I grad Phi_I to ``out`` (k, 4 or 5, P); ``field`` is v."""
-    of_point, q_count = grad_rows(table), table.group_size
+    of_point, q_count = grad_rows(table), len(out) // (table.start.size - 1)
     for g in range(table.start.size - 1):
         s0 = table.start[g]
         n = table.start[g + 1] - s0
         for q in range(q_count):
-            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            i, first = g * q_count + q, of_point * (s0 * table.group_size + q * n)
             for a in range(n):
                 for c in range(2):
                     at = equations[table.neighbours[s0 + a], c]
@@ -164,12 +165,12 @@ def add_field_gradient(table, equations, field, out):
 def add_gradient_loads(table, f_bar, equations, d_bar):
     """Transpose of ``add_field_gradient``: seeds ``f_bar`` (k, 4 or 5, M) on F, added to those on v,
     ``d_bar`` (n_equations + 1, M)."""
-    of_point, q_count = grad_rows(table), table.group_size
+    of_point, q_count = grad_rows(table), len(f_bar) // (table.start.size - 1)
     for g in range(table.start.size - 1):
         s0 = table.start[g]
         n = table.start[g + 1] - s0
         for q in range(q_count):
-            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            i, first = g * q_count + q, of_point * (s0 * table.group_size + q * n)
             for a in range(n):
                 near = table.neighbours[s0 + a]
                 for j in range(2):
@@ -191,12 +192,12 @@ def add_gradient_loads(table, f_bar, equations, d_bar):
 def add_gradient_seeds(table, f_bar, d, grad_bar):
     """Transpose of ``add_gradient_rates``: seeds ``f_bar`` (k, 4 or 5, M) on F, added to those on grad
     Phi, ``grad_bar`` (grad.size, M)."""
-    of_point, q_count = grad_rows(table), table.group_size
+    of_point, q_count = grad_rows(table), len(f_bar) // (table.start.size - 1)
     for g in range(table.start.size - 1):
         s0 = table.start[g]
         n = table.start[g + 1] - s0
         for q in range(q_count):
-            i, first = g * q_count + q, of_point * (s0 * q_count + q * n)
+            i, first = g * q_count + q, of_point * (s0 * table.group_size + q * n)
             for a in range(n):
                 near = table.neighbours[s0 + a]
                 for j in range(2):

@@ -10,6 +10,7 @@ from verification.quadratic_integration import discretize_quadratic
 
 import seal_mdao as sm
 from seal_mdao.equilibrium.discretization import discretize
+from seal_mdao.rkpm.cell_areas import PLANE
 from seal_mdao.structure.elastic_body import ElasticBody, elastic_body
 from seal_mdao.structure.energy_gradient import energy_gradient
 from seal_mdao.structure.force_products import add_tangent_product
@@ -28,7 +29,8 @@ def with_pressure(body, space):
 
 def cell_by_cell(cells, points=4):
     """One value in every cell of a column."""
-    return PressureSpace(cells, np.repeat(np.eye(cells), points, axis=1))
+    at = np.repeat(np.eye(cells), points, axis=1), np.repeat(np.eye(cells), PLANE, axis=1)
+    return PressureSpace(cells, np.hstack(at))
 
 
 # ---- the functions ----
@@ -37,8 +39,14 @@ def cell_by_cell(cells, points=4):
 @pytest.mark.parametrize("cells", [1, 2, 3, 6])
 @pytest.mark.parametrize("n_gauss", [2, 3, (3, 2)])
 def test_functions_are_as_many_as_cells_and_add_up_to_one(cells, n_gauss):
-    functions = through_column(cells, n_gauss).functions
-    assert functions.shape == (cells, cells * np.prod(np.broadcast_to(n_gauss, 2)))
+    functions, points = (
+        through_column(cells, n_gauss).functions,
+        np.prod(np.broadcast_to(n_gauss, 2)),
+    )
+    assert functions.shape == (cells, cells * (points + PLANE))
+    means = functions[:, : cells * points].reshape(cells, cells, points).mean(axis=2)
+    at_areas = np.repeat(means, PLANE, axis=1)
+    np.testing.assert_array_equal(functions[:, cells * points :], at_areas)
     assert np.linalg.matrix_rank(functions) == cells
     np.testing.assert_allclose(functions.sum(axis=0), 1.0, rtol=0.0, atol=1e-15)
 
@@ -52,11 +60,12 @@ def test_functions_hold_what_is_linear_across_the_column_and_constant_along_it(c
     across = np.einsum("cqa,ca->cq", disc.body.cell_map.values, disc.body.cells % (cells + 1))
     for column in across.reshape(cells, -1):
         knots = np.linspace(0.0, cells, cells)
-        np.testing.assert_allclose(knots @ space.functions, column, rtol=0.0, atol=1e-14)
+        at_points = space.functions[:, : column.size]
+        np.testing.assert_allclose(knots @ at_points, column, rtol=0.0, atol=1e-14)
 
 
 def test_one_cell_has_the_constant():
-    np.testing.assert_array_equal(through_column(1, 3).functions, np.ones((1, 9)))
+    np.testing.assert_array_equal(through_column(1, 3).functions, np.ones((1, 9 + PLANE)))
 
 
 # ---- through columns, but one value a cell ----
@@ -119,16 +128,22 @@ def test_analysis_and_derivatives_are_those_of_cells():
 
 
 def test_energy_is_that_of_the_projected_volume_change(rng):
-    """With the bulk term alone it is sum_k K/2 V_k s_k^2."""
+    """With the bulk term alone it is sum_k K/2 V_k s_k^2, where the mean of det(F - 1) over every cell
+    is that of the rows of areas."""
     disc = square(rng, fixed="nothing", column=5)
     d, space, table = wave(disc, 0.2), disc.body.pressure, disc.cells.table
-    total, q = 0.0, table.group_size
+    total, points, q = 0.0, table.group_size, disc.cells.column_weights.shape[1]
+    functions, means = space.functions[:, :q], space.functions[:, q::PLANE]
     for column, weights in enumerate(disc.cells.column_weights):
         low, high = table.start[column], table.start[column + 1]
-        grad = table.grad[2 * q * low : 2 * q * high].reshape(q, 2, -1)
-        F = np.eye(2) + np.einsum("qja,ai->qij", grad, d[table.neighbours[low:high]])
-        volumes = space.functions @ weights
-        volume_strain = space.functions @ (weights * (np.linalg.det(F) - 1)) / volumes
+        grad = table.grad[2 * points * low : 2 * points * high].reshape(points, 2, -1)
+        slopes = np.einsum("qja,ai->qij", grad, d[table.neighbours[low:high]])
+        det, F = np.linalg.det(slopes), np.eye(2) + slopes[:q]
+        of_cells = det[q:].reshape(-1, PLANE).sum(axis=1)
+        of_cells -= (weights * det[:q]).reshape(len(of_cells), -1).sum(axis=1)
+        volumes = functions @ weights
+        volume_strain = functions @ (weights * (np.linalg.det(F) - 1)) + means @ of_cells
+        volume_strain /= volumes
         total += 0.5 * volumes @ volume_strain**2
     assert energy(disc, d, (0.0, 0.0, 1.0)) == pytest.approx(total, rel=1e-12)
 

@@ -27,7 +27,7 @@ STEP = 5e-6
 
 @pytest.fixture(scope="module")
 def model():
-    return sm.door_seal(friction=0.15, corner_x=4.0, newton=NEWTON)
+    return sm.door_seal(friction=0.14, corner_x=4.0, newton=NEWTON)
 
 
 @pytest.fixture(scope="module")

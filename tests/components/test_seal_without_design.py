@@ -120,12 +120,12 @@ def test_recorded_optimisation_has_pictures(seal, tmp_path, scenarios):
 
 
 def balanced(seal, subsystems, retry):
-    """Return a problem that finds the position of the lid at which its force is 6 kN/m.
+    """Return a problem that finds the position of the lid at which its force is 5.3 kN/m.
 
     The first step of Newton's method is too long: the material would be inverted.
     """
     prob = om.Problem(reports=None)
-    balance = om.BalanceComp("y", units="mm", eq_units="N/m", rhs_val=6000.0, lhs_name="force")
+    balance = om.BalanceComp("y", units="mm", eq_units="N/m", rhs_val=5300.0, lhs_name="force")
     prob.model.add_subsystem("balance", balance)
     prob.model.add_subsystem("block", sm.SealGroup(seal=seal, parameters=("lid_y",)))
     prob.model.connect("balance.y", "block.lid_y")
@@ -143,13 +143,13 @@ def test_line_search_shortens_the_step_after_a_failed_analysis(seal, subsystems)
     prob = balanced(seal, subsystems, retry=True)
     prob.run_model()
     result = sm.analyze(seal, None, {"lid_y": prob.get_val("balance.y").item()})
-    assert result.value(result.measure("reaction")) == pytest.approx([6000.0])
-    assert prob.get_val("block.reaction") == pytest.approx([6000.0])
+    assert result.value(result.measure("reaction")) == pytest.approx([5300.0])
+    assert prob.get_val("block.reaction") == pytest.approx([5300.0])
 
 
 def test_reason_of_a_failure_that_newtons_method_ignores(seal):
     prob = balanced(seal, subsystems=True, retry=False)
     for _ in range(2):
-        with pytest.raises(om.AnalysisError, match="must not be used: the edge 'left'") as caught:
+        with pytest.raises(om.AnalysisError, match="must not be used") as caught:
             prob.run_model()
         assert str(caught.value).count("the particles are NaN") == 1

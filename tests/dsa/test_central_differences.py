@@ -142,8 +142,10 @@ def test_variants_of_the_model(variant):
         quick_model(**VARIANTS[variant]), offsets, {"door_radius": 4.05}, keep_factors=True
     )
     assert result.converged
+    # along the first way the contact sequence of this variant changes
+    way = any_way(2 if variant == "three Gauss points" else 1)
     # its path rounds more: a larger step
-    check_along(result, any_way(1), step=3.0 * STEP if variant == "quadratic basis" else STEP)
+    check_along(result, way, step=3.0 * STEP if variant == "quadratic basis" else STEP)
 
 
 def test_path_with_cut_steps(cut):

@@ -297,10 +297,6 @@ BAD = {
                                "edge_spacing: seal = 0.0001, which needs more than 200000 particles"),
     "edge spacing beside rays": ("spacing = 0.9\n", "rays = { rays = 24, layers = 4 }\nedge_spacing = "
                                  "{ seal = 0.1 }\n", "edge_spacing can only be combined with"),
-    "quadrature of one point": ("spacing = 0.9", "spacing = 0.9\nquadrature = 1",
-                                "quadrature = 1, but it must be a whole number from 2 to 3"),
-    "quadrature beside rays": ("spacing = 0.9\n", "rays = { rays = 24, layers = 4 }\nquadrature = 3\n",
-                               "[section]: the key quadrature can only be combined with spacing"),
     "no outline": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\n', "has neither"),
     "units without drawing": ("spacing = 0.9", 'spacing = 0.9\nunits = "mm"', "the key units applies"),
     "no such drawing": (SECTION, '[section]\nmaterial = "rubber"\nspacing = 0.9\ndxf = "no.dxf"\n',

@@ -6,6 +6,7 @@ from exact_gradients import require_exact
 from verification.cylinder import inflation_pressure
 
 import seal_mdao as sm
+from seal_mdao.analysis.problem import PathProblem
 from seal_mdao.cli.force_table import force_lines
 from seal_mdao.errors import SealFileError
 from seal_mdao.seals.profiles import caption, profile_histories
@@ -197,3 +198,49 @@ def test_a_seal_at_rest_without_a_stage_is_told_how(tmp_path):
             SECOND="inside",
             EDGE='"inside"',
         )
+
+
+PRESSED = """
+[material.rubber]
+law = "neo_hookean"
+c10 = 100.0
+bulk_modulus = 2e4
+[section]
+material = "rubber"
+spacing = 0.4
+outer = [
+  { edge = "base", line = [[0.0, 0.0], [4.0, 0.0]] },
+  { edge = "right", line = [[4.0, 0.0], [4.0, 4.0]] },
+  { edge = "top", line = [[4.0, 4.0], [0.0, 4.0]] },
+  { edge = "left", line = [[0.0, 4.0], [0.0, 0.0]] },
+]
+[[moved]]
+edges = ["base"]
+directions = ["y"]
+stage = [{ translate = [0.0, 0.0], steps = 1 }]
+[[fluid]]
+edge = ["right", "top"]
+pressure = 6000.0
+steps = 1
+"""
+
+
+@pytest.mark.parametrize("table", [
+    '[[symmetry]]\nedges = ["left"]\nnormal = "x"\n', '[model]\nkinematics = "axisymmetric"\n',
+])  # fmt: skip
+def test_a_body_under_a_uniform_pressure_is_stable(tmp_path, table):
+    """At 30 shear moduli: equal stretches in all directions to rounding, a positive definite tangent.
+
+    The stiffness of the stress and that of the load cancel. By quadrature of the volume of the cells the
+    body was unstable from 9 shear moduli on.
+    """
+    path = tmp_path / "pressed.toml"
+    path.write_text(table + PRESSED, encoding="utf-8")
+    result = sm.analyze(sm.build_seal(path))
+    assert result.converged
+    particles, deformed = result.seal.nominal_particles, result.deformed()
+    stretch = deformed[:, 1].max() / 4.0
+    assert 0.8 < stretch < 0.9
+    np.testing.assert_allclose(deformed, stretch * particles, rtol=0.0, atol=1e-11)
+    problem = PathProblem(result.path.discretization, result.seal.terms())
+    assert problem.assemble_at(result.path.steps[-1]).factorize(check=True).positive

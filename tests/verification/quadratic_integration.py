@@ -21,14 +21,17 @@ import numpy as np
 
 from seal_mdao.equilibrium.discretization import Body, Discretization, discretize
 from seal_mdao.equilibrium.tangent_layout import equation_numbers, tangent_layout
+from seal_mdao.rkpm.cell_areas import area_factors
 from seal_mdao.rkpm.consistent_gradients import (
     CellTable,
     EdgeRule,
     around_normals,
     circumferences,
+    edge_normals,
+    fill_areas,
     integration_points,
 )
-from seal_mdao.rkpm.shape_functions import ShapeTable, grad_rows
+from seal_mdao.rkpm.shape_functions import PointSet, ShapeTable, grad_rows
 from seal_mdao.rkpm.tables import build_table, raw_tables
 from seal_mdao.rkpm.transformed import TableTransform
 
@@ -78,13 +81,33 @@ def _of_cell(table: ShapeTable, values, components: int, cell: int, column: int)
     return rows.reshape(column, size // column, -1)[place]
 
 
+def _with_areas(gauss: ShapeTable, edges: ShapeTable, grad, weights, disc) -> ShapeTable:
+    """The rows of all cells, ``grad``, and those of areas behind those of each column."""
+    rule, size, column = disc.body.edge_rule, disc.cells.raw.group_size, disc.body.pressure.cells
+    full = np.zeros(grad_rows(gauss) * gauss.neighbours.size * size)
+    for g in range(gauss.n_groups):
+        own = np.concatenate(grad[g * column : (g + 1) * column])
+        first = grad_rows(gauss) * size * gauss.start[g]
+        full[first : first + own.size] = own
+    raw = gauss._replace(phi=np.empty(0), grad=full, group_size=size)
+    factors = area_factors(weights, disc.weights).values
+    normals = edge_normals(rule, disc.particles)
+    fill_areas(raw, edges, rule.point_of, weights, normals, factors)
+    return raw
+
+
 def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Discretization:
     """As ``discretize``, with quadratically consistent gradients at the quadrature points."""
     disc = discretize(body, particles)
     column = body.pressure.cells
     rule, reference = _edge_rule(body.cells, n_edge, column)
-    points, on_edges = integration_points(body.cell_map, rule, body.axisymmetric)
-    gauss, edges = raw_tables(disc.cloud, points._replace(valued=True), on_edges)
+    # with the points of the rows of areas
+    points, of_areas = integration_points(body.cell_map, body.edge_rule, body.axisymmetric)
+    ends, shares = (own.reshape(-1, 2) for own in (rule.ends, rule.weights))
+    on_edges = PointSet(ends, shares, column * 4 * n_edge, sloped=False)
+    gauss, edges, of_areas = raw_tables(
+        disc.cloud, points._replace(valued=True), on_edges, of_areas
+    )
     weights = disc.weights * circumferences(gauss, disc.weights.shape)
     normals, grad = reference[:, None] * around_normals(rule, gauss), []
     for cell in range(len(body.cells)):
@@ -94,7 +117,7 @@ def discretize_quadratic(body: Body, particles, terms=(), n_edge: int = 3) -> Di
         slope = slope.reshape(len(phi), grad_rows(gauss.raw), -1)
         new = _corrected(weights[cell], normals[cell], *places, phi, phi_edge, slope)
         grad.append(new.ravel())
-    raw = gauss.raw._replace(phi=np.empty(0), grad=np.concatenate(grad))
+    raw = _with_areas(gauss.raw, of_areas.raw, grad, weights, disc)
     transform = TableTransform(raw, disc.transformation)
     cells = CellTable(
         body.cell_map, rule, disc.weights, gauss, edges, raw, transform.table, transform

@@ -31,7 +31,6 @@ from verification.revolution import (
 from verification.rings import (
     DISCS,
     EXAMPLES,
-    REFERENCES,
     apparent_modulus,
     gent_lindley_modulus,
     ring_errors,
@@ -194,12 +193,11 @@ def test_confined_rubber_stays_stiff_under_pressure(axisymmetric, figure):
     """Its smallest stiffness does not depend on the pressure, for int det(grad v) dA = 0 of a field v
     without values at the boundary.
 
-    Four Gauss points of a cell, which do not integrate that, lose less than a half up to ten shear
-    moduli, nine less than a tenth up to twenty (where p / K is 2 %).
+    Exactly so in plane strain, but for the moduli of the law at this volume, where p / K is 2 %; in a
+    body of revolution up to the ratio of the spacing to the radius. Quadrature of the volume lost 60 %.
     """
-    for n_gauss, pressure, bound in ((2, 10.0, 0.5), (3, 20.0, 0.1)):
-        lost = 1.0 - stiffness_under_pressure(n_gauss, pressure, axisymmetric)
-        figure(f"{n_gauss} x {n_gauss} points: stiffness lost", abs(lost), bound)
+    changed = stiffness_under_pressure(2, 20.0, axisymmetric) - 1.0
+    figure("stiffness that a pressure of 20 shear moduli changes", abs(changed), 0.04)
 
 
 # ---- plane strain ----
@@ -295,26 +293,13 @@ def test_apparent_modulus_of_bonded_discs(name, figure):
     figure(f"{name}: apparent modulus", abs(found / exact - 1.0), TOLERANCES["gent_lindley"])
 
 
-def test_a_disc_beyond_the_limit_of_pressure_is_reported():
-    """Compressed by 20 %, the pressure in the thin disc is more than ten times the shear modulus."""
-    warnings = ring_result("ring_disc_2").warnings
-    (found,) = (text for text in warnings if "inverted between the quadrature points" in text)
-    assert "quadrature = 3 in [section]" in found
-
-
-@pytest.mark.release
-def test_pressure_in_a_thin_disc_is_smooth_with_nine_points(figure):
-    """At 20 %: the radial displacement of the middle plane, up to 6 mm, against a polynomial of degree 7
-    (over the compression of the half disc)."""
-    file = read_seal_file(REFERENCES / "ring_disc_2.toml")
-    nine = sm.analyze(sm.build_seal(replace(file, section=replace(file.section, quadrature=3))))
-    nine.require_converged()
-    X = nine.seal.nominal_particles
+def test_displacements_in_a_thin_disc_are_smooth(figure):
+    """Compressed by 20 %, the pressure is more than ten times the shear modulus: the radial displacement
+    of the middle plane, up to 6 mm, against a polynomial of degree 7 (over the compression of the half
+    disc). By quadrature of the volume they oscillated by 0.9."""
+    result = ring_result("ring_disc_2")
+    X = result.seal.nominal_particles
     at = np.flatnonzero((X[:, 1] < 1e-9) & (X[:, 0] < 6.0))
-    apart = []
-    for result in (ring_result("ring_disc_2"), nine):
-        u = result.path.displacement()[at, 0]
-        smooth = np.polynomial.Polynomial.fit(X[at, 0], u, 7)
-        apart.append(np.abs(smooth(X[at, 0]) - u).max() / 0.2)
-    assert apart[0] > 0.1
-    figure("thin disc, 3 x 3 points: oscillation", apart[1], 1e-2)
+    u = result.path.displacement()[at, 0]
+    smooth = np.polynomial.Polynomial.fit(X[at, 0], u, 7)
+    figure("thin disc: oscillation", np.abs(smooth(X[at, 0]) - u).max() / 0.2, 1e-2)

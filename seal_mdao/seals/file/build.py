@@ -108,7 +108,7 @@ def _kernels(section) -> Kernels | None:
     """Choose the kernels of a section filled by a spacing; rays and clouds have their own (None)."""
     if isinstance(section.spacing, Rays | OutlineCloud):
         return None
-    return Kernels(n_gauss=section.quadrature)
+    return Kernels()
 
 
 def section_boundaries(section) -> tuple:

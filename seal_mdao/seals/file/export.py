@@ -33,7 +33,7 @@ LEFT_OUT = (
 )
 DRAWN = (
     "outer", "hole", "dxf", "units", "ignore", "parting", "spacing", "accuracy", "layers",
-    "edge_spacing", "quadrature", "rays", "cloud",
+    "edge_spacing", "rays", "cloud",
 )  # fmt: skip
 """Keys of a section that the drawing and the cloud replace."""
 SHORT_LIST = re.compile(r'\[\n((?: *(?:[\w.+-]+|"[^"\n\\]*"|\[[^\[\]\n]*\]),\n)+) *\]')

@@ -29,7 +29,7 @@ from seal_mdao.seals.outline.dxf import Drawing, read_drawing
 from seal_mdao.seals.outline.dxf_entities import MODEL_UNITS, layer_name
 from seal_mdao.seals.outline.parting import check_uncrossed, trimmed
 from seal_mdao.seals.outline.rays import Rays
-from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, Kernels, OutlineCloud
+from seal_mdao.seals.outline.section_cloud import LAYERS, SLOPE, OutlineCloud
 from seal_mdao.seals.outline.segments import pair
 from seal_mdao.seals.outline.sizes import ACROSS, DEFAULT_LAYERS, start_spacing, unusual_size
 from seal_mdao.seals.wall_grid import WALL_SCHEMES
@@ -41,8 +41,6 @@ MOST_LAYERS = 50
 MOST_PARTICLES = 200_000
 """That a section may need; more is a slip of the spacing."""
 FILLINGS = ("spacing", "rays", "cloud")
-QUADRATURE = 2, 3
-"""Fewest and most Gauss points along each direction of a cell."""
 
 Edge = Annotated[Text, AfterValidator(layer_name)]
 """Drawings of designs have edges as layers."""
@@ -137,11 +135,6 @@ class WrittenSection(Table):
         "with spacing: largest distances of the particles along named edges, smaller than spacing",
         None,
     )
-    quadrature: whole(*QUADRATURE) | None = key(
-        f"with spacing: Gauss points along each direction of a cell, default {Kernels.n_gauss}; "
-        f"{QUADRATURE[1]} for rubber confined on all sides at pressures above about nine shear moduli",
-        None,
-    )
     rays: RaysTable | None = key("instead of spacing, for an annular wall", None)
     cloud: Text | None = key(
         "instead of spacing: mesh file; its path is relative to the seal file", None
@@ -225,11 +218,6 @@ class WrittenSection(Table):
                 "the key edge_spacing can only be combined with spacing; rays and cloud define "
                 "their own particles, so leave out edge_spacing"
             )
-        if self.quadrature is not None and not spaced:
-            raise ValueError(
-                "the key quadrature can only be combined with spacing; rays (accuracy) and cloud "
-                "define their own quadrature, so leave out quadrature"
-            )
         return self
 
     def read(self, folder: Path, materials: tuple) -> "SectionTable":
@@ -280,7 +268,7 @@ class WrittenSection(Table):
         return SectionTable(
             outline, self.material or materials[0], filling, *beside, tuple(regions), layers,
             drawing.parting, drawing.notice, self.edge_spacing or {},
-            self.quadrature or Kernels.n_gauss, tuple(lines), self.accuracy, default_spacing=default,
+            tuple(lines), self.accuracy, default_spacing=default,
         )  # fmt: skip
 
     def _segments(self) -> Outline:
@@ -324,8 +312,6 @@ class SectionTable:
         Line that says what of the drawing was left out; empty for nothing.
     edge_spacing : dict
         Largest distance of particles along edges by their names, mm, beside ``spacing``.
-    quadrature : int
-        Gauss points along each direction of a cell, where a spacing fills the section.
     region_lines : tuple of tuple of ndarray, shape (k, 2)
         Parts of the line of every region that lie in the section, mm.
     accuracy : float, dict of str to float, or None
@@ -348,7 +334,6 @@ class SectionTable:
     parting: tuple = ()
     notice: str = ""
     edge_spacing: dict[str, float] = field(default_factory=dict)
-    quadrature: int = Kernels.n_gauss
     region_lines: tuple = ()
     accuracy: float | dict[str, float] | None = None
     chosen: bool = False
