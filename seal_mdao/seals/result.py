@@ -290,11 +290,13 @@ class SealResult:
         # an instability before the end often explains the failure
         lost = f" Before, {self.critical_points[-1].text}." if self.critical_points else ""
         lost += f" The last converged load step was at {self.caption(done - 1)}." if done else ""
-        first = PRELIMINARY_ADVICE if self._begins_before() else ADVICE
-        advice = self._advice() if done else first
-        # where nothing holds a body the equations are singular: other advice is of no use
-        gone = next(lost_bodies(self.path), "") if self.path.steps else ""
-        advice = f"{LAST} {gone}" if gone else advice
+        if self.path.steps and (gone := next(lost_bodies(self.path), "")):
+            # the equations are singular: other advice is of no use
+            advice = f"{LAST} {gone}"
+        elif done:
+            advice = self._advice()
+        else:
+            advice = PRELIMINARY_ADVICE if self._begins_before() else ADVICE
         return (
             f"the analysis could not be completed at {self.path.failure}; {done} of "
             f"{self.seal.n_steps} load steps converged.{lost} "

@@ -487,7 +487,7 @@ def _check_opposed(names, file) -> None:
 
 
 def unsupported_bodies(file) -> list:
-    """Find the bodies that only profiles hold: number, contours and names of the edges of each."""
+    """Find the bodies that only profiles hold: number, and names of the edges, of each."""
     # edges in a plane of symmetry hold nothing along it
     planes = {name for plane in file.symmetries for name in plane.edges}
     fixed = set(file.supports) - planes
@@ -500,7 +500,7 @@ def unsupported_bodies(file) -> list:
         # planes of symmetry along both axes hold a body in the plane
         normals = {plane.normal for plane in file.symmetries if names & set(plane.edges)}
         if not names & fixed and len(normals) < 2:
-            found.append((number, contours, names))
+            found.append((number, names))
     return found
 
 
@@ -508,7 +508,7 @@ def _check_bodies_held(file, gaps) -> None:
     """Refuse a body without a fixed edge that no profile touches or nearly touches at the start, with
     these gaps (mm)."""
     outline = file.section.outline
-    for number, contours, names in unsupported_bodies(file):
+    for number, names in unsupported_bodies(file):
         # a profile holds a body only at a particle that it touches at the start
         own = [
             gap
@@ -518,15 +518,13 @@ def _check_bodies_held(file, gaps) -> None:
         if min(own, default=np.inf) <= NEAR * outline.size:
             _check_opposed(names, file)
             continue
-        # what is missing, which body, and how far the nearest profile is
-        first = contours[0].edge_names[0]
-        what = f"body {number} (edge {first!r})" if outline.others else "the section"
+        # what is missing, and how far the nearest profile is
         missing = "[fixed] has no edge of this body" if file.fixed_edges else "[fixed] is missing"
         nearest = "no profile may touch it at a particle"
         if own:
             nearest = f"the nearest one is {min(own):.3g} mm away"
         raise SealFileError(
-            f"{missing}, so profiles must support {what}, but none touches it at the start: "
-            f"{nearest}; start it in contact, at a point at which a segment of the boundary ends "
-            "(a particle lies there), or fix an edge ([fixed])"
+            f"{missing}, so profiles must support {outline.body_title(number)}, but none touches it at "
+            f"the start: {nearest}; start it in contact, at a point at which a segment of the boundary "
+            "ends (a particle lies there), or fix an edge ([fixed])"
         )

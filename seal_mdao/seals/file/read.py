@@ -194,7 +194,7 @@ def _with_contact_points(file: SealFile) -> tuple:
     turns, a body in plane strain that only profiles hold (``_at_particles``).
     """
     bodies = () if file.axisymmetric else unsupported_bodies(file)
-    holding = {name for *_, edges in bodies for name in _at_particles(file, edges)}
+    holding = {name for _, edges in bodies for name in _at_particles(file, edges)}
     spacing = file.section.spacing
     found = []
     for own in file.profiles:

@@ -29,11 +29,6 @@ def check_sliding(file) -> None:
         along, touching = _free_direction(file, names), _touching(file, names)
         if along is None or not all(_slides(own, along) for own in touching):
             continue
-        what = (
-            f"body {number} (edge {contours[0].edge_names[0]!r})"
-            if outline.others
-            else "the section"
-        )
         axis = next((name for name, own in zip("xy", along, strict=True) if abs(own) == 1.0), None)
         line = axis or f"the direction ({along[0]:.4g}, {along[1]:.4g})"
         profiles = ", ".join(repr(own.name) for own in touching)
@@ -47,8 +42,8 @@ def check_sliding(file) -> None:
         )
         friction = ", or give a profile a friction coefficient above 0"
         raise SealFileError(
-            f"{what} can slide along {line} without resistance, because no edge has a prescribed "
-            f"displacement in this direction{contact if touching else ''}"
+            f"{outline.body_title(number)} can slide along {line} without resistance, because no edge "
+            f"has a prescribed displacement in this direction{contact if touching else ''}"
             f"{between if outline.others and file.self_contact is not None else ''}; fix an edge in "
             f"this direction ([fixed] with directions){friction if touching else ''}"
         )

@@ -163,6 +163,12 @@ class Outline:
             for outer in (self.outer, *self.others)
         )
 
+    def body_title(self, number: int) -> str:
+        """Name a body, counted from 1, in messages."""
+        if not self.others:
+            return "the section"
+        return f"body {number} (edge {self.bodies[number - 1][0].edge_names[0]!r})"
+
     def shape(self, sagitta: float):
         """Return the section as a shapely geometry whose sides are within ``sagitta`` (mm) of it."""
         return shapely.union_all([
