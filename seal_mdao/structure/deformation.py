@@ -122,6 +122,20 @@ def at_point(functions, q, values):
 
 
 @inlined
+def pair_gradient(grad, first, displacement, n):
+    """sum_I d_Ii a_I and sum_I d_Ii b_I in the order 11, 12, 21, 22, for the rows a and b that begin at
+    the entry ``first`` of the flat ``grad``."""
+    g11, g12, g21, g22 = 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        a, b = grad[first + i], grad[first + n + i]
+        g11 += displacement[0, i] * a
+        g12 += displacement[0, i] * b
+        g21 += displacement[1, i] * a
+        g22 += displacement[1, i] * b
+    return g11, g12, g21, g22
+
+
+@inlined
 def group_gradients(grad, displacement, n, q_count, f):
     """Deformation gradients of one group: ``f`` (q, 5) in the order 11, 12, 21, 22, and det F - 1; in a
     body of revolution (q, 6) with J - 1, J = h det F, and h.
@@ -132,14 +146,8 @@ def group_gradients(grad, displacement, n, q_count, f):
     """
     rows = f.shape[1] - 3
     for q in range(q_count):
-        f11, f12, f21, f22 = 0.0, 0.0, 0.0, 0.0
-        for a in range(n):
-            bx, by = grad[rows * q * n + a], grad[(rows * q + 1) * n + a]
-            # grad u_ij = sum_I d_Ii Phi_I,j
-            f11 += displacement[0, a] * bx
-            f12 += displacement[0, a] * by
-            f21 += displacement[1, a] * bx
-            f22 += displacement[1, a] * by
+        # grad u_ij = sum_I d_Ii Phi_I,j
+        f11, f12, f21, f22 = pair_gradient(grad, rows * q * n, displacement, n)
         # F = 1 + grad u,  det F - 1 = tr grad u + det grad u
         f[q, 0], f[q, 1], f[q, 2], f[q, 3] = 1.0 + f11, f12, f21, 1.0 + f22
         f[q, 4] = f11 + f22 + (f11 * f22 - f12 * f21)
@@ -159,14 +167,8 @@ def group_areas(grad, displacement, n, areas):
     flat (t, row, neighbour), ``displacement`` (2, n)."""
     rows = grad.size // (len(areas) * n)
     for t in range(len(areas)):
-        g11, g12, g21, g22 = 0.0, 0.0, 0.0, 0.0
-        for i in range(n):
-            a, b = grad[rows * t * n + i], grad[(rows * t + 1) * n + i]
-            # G_i1 = sum_I d_Ii a_I,  G_i2 = sum_I d_Ii b_I
-            g11 += displacement[0, i] * a
-            g12 += displacement[0, i] * b
-            g21 += displacement[1, i] * a
-            g22 += displacement[1, i] * b
+        # G_i1 = sum_I d_Ii a_I,  G_i2 = sum_I d_Ii b_I
+        g11, g12, g21, g22 = pair_gradient(grad, rows * t * n, displacement, n)
         areas[t, 0], areas[t, 1], areas[t, 2], areas[t, 3] = g11, g12, g21, g22
 
 
