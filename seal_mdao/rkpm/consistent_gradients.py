@@ -388,18 +388,19 @@ def _of_cell(start, cell, n_cells):
 
 
 @inlined
-def _gauss_rows(values, rows, first, group_size, number, q_count, width):
+def _gauss_rows(values, before, rows, number, q_count, width):
     """View the rows of the Gauss points of a cell, shape (q, rows, width), in those of its column, which
-    begin at ``first`` (of one point with one row). ``width``: neighbours, times parameters."""
-    at = rows * (first * group_size + number * q_count * width)
+    begin at the entry ``before``. ``width``: neighbours, times parameters or measures."""
+    at = before + rows * number * q_count * width
     return values[at : at + rows * q_count * width].reshape(q_count, rows, width)
 
 
 @inlined
-def _area_rows(values, rows, first, group_size, number, cells, gauss_size, width):
-    """View the rows of areas of a cell, shape (pairs, rows, width), which end those of its column."""
-    pairs = (group_size - gauss_size) // cells
-    at = rows * (first * group_size + (gauss_size + pairs * number) * width)
+def _area_rows(values, before, rows, number, cells, q_count, width):
+    """View the rows of areas of a cell, shape (pairs, rows, width), which follow those of the Gauss
+    points of all ``cells`` of its column."""
+    pairs = AROUND if rows == 3 else PLANE
+    at = before + rows * (q_count * cells + pairs * number) * width
     return values[at : at + rows * pairs * width].reshape(pairs, rows, width)
 
 
@@ -418,10 +419,10 @@ def _correct(gauss, edges, point_of, weights, normals, raw):
     (n_cells, q_count), start, rows = weights.shape, raw.start, grad_rows(raw)
     for cell in range(n_cells):
         column, number, n = _of_cell(start, cell, n_cells)
-        first = start[column]
-        grad = _gauss_rows(gauss.grad, rows, first, gauss.group_size, number, q_count, n)
-        out = _gauss_rows(raw.grad, rows, first, raw.group_size, number, q_count, n)
-        on_edges, volume = first * edges.group_size, 0.0
+        s0 = start[column]
+        grad = _gauss_rows(gauss.grad, rows * s0 * gauss.group_size, rows, number, q_count, n)
+        out = _gauss_rows(raw.grad, rows * s0 * raw.group_size, rows, number, q_count, n)
+        on_edges, volume = s0 * edges.group_size, 0.0
         for q in range(q_count):
             # V_c = sum_q w_q
             volume += weights[cell, q]
@@ -459,13 +460,14 @@ def _correct_rates(raw, edges, point_of, d_gauss, d_edges, weights, normals, rat
         count = which.size
         if count == 0:
             continue
-        grad = _gauss_rows(raw.grad, rows, start[column], raw.group_size, number, q_count, n)
+        before, size = rows * start[column] * raw.group_size, n * count
+        grad = _gauss_rows(raw.grad, before, rows, number, q_count, n)
         # where the entries of a column begin is counted in all of its points
-        at = rows * (d_gauss.start[column, 1] + number * q_count * n * count)
-        d_grad = d_gauss.grad[at : at + rows * q_count * n * count]
+        before = rows * d_gauss.start[column, 1]
+        d_grad = _gauss_rows(d_gauss.grad, before, rows, number, q_count, size)
         d_grad = d_grad.reshape(q_count, rows, n, count)
-        at = rows * (rates.start[column, 1] + number * q_count * n * count)
-        out = rates.grad[at : at + d_grad.size].reshape(q_count, rows, n, count)
+        out = _gauss_rows(rates.grad, rows * rates.start[column, 1], rows, number, q_count, size)
+        out = out.reshape(q_count, rows, n, count)
         # V_c s_Ij' = sum_e (Phi_I n_ej)' - sum_q (w_q' Phi~_I,j + w_q Phi_I,j'):
         # the term -V_c' s_Ij of the quotient is contained in w_q' Phi~_I,j = w_q' (Phi_I,j + s_Ij)
         volume, d_shift = weights[cell].sum(), np.zeros((2, n, count))
@@ -527,12 +529,12 @@ def _correct_seeds(
     flat, flat_gauss = seeds.reshape(seeds.size), gauss_bar.reshape(gauss_bar.size)
     for cell in range(cells * first, cells * last):
         column, number, n = _of_cell(raw.start, cell, len(weights))
-        grad = _gauss_rows(raw.grad, rows, raw.start[column], raw.group_size, number, q_count, n)
-        grad = grad.reshape(q_count, rows * n)
+        before = rows * raw.start[column] * raw.group_size
+        grad = _gauss_rows(raw.grad, before, rows, number, q_count, n).reshape(q_count, rows * n)
         # seeds hold the rows of these columns only; side by side: rows, neighbours, measures
-        at = (raw.start[column] - raw.start[first]) * count
-        seed = _gauss_rows(flat, rows, at, raw.group_size, number, q_count, n * count)
-        on_gauss = _gauss_rows(flat_gauss, rows, at, q_count * cells, number, q_count, n * count)
+        at = rows * (raw.start[column] - raw.start[first]) * count
+        seed = _gauss_rows(flat, at * raw.group_size, rows, number, q_count, n * count)
+        on_gauss = _gauss_rows(flat_gauss, at * q_count * cells, rows, number, q_count, n * count)
         seed, on_gauss = (
             seed.reshape(q_count, rows * n * count), on_gauss.reshape(q_count, rows * n * count)
         )  # fmt: skip
@@ -588,17 +590,17 @@ def fill_areas(raw, edges, point_of, weights, normals, factors):
     cells = n_cells // (raw.start.size - 1)
     for cell in range(n_cells):
         column, number, n = _of_cell(raw.start, cell, n_cells)
-        first, factor = raw.start[column], factors[cell]
+        before, factor = rows * raw.start[column] * raw.group_size, factors[cell]
         values, own = np.empty((point_of.shape[1], n)), np.empty((PLANE, 2, n))
         _fill_values(edges, raw.start, column, point_of[cell], n, values)
         area_rows(values, own)
-        out = _area_rows(raw.grad, rows, first, raw.group_size, number, cells, q_count * cells, n)
+        out = _area_rows(raw.grad, before, rows, number, cells, q_count, n)
         out[:] = 0.0
         for t in range(PLANE):
             for i in range(n):
                 out[t, 0, i], out[t, 1, i] = factor[0] * own[t, 0, i], own[t, 1, i]
         if rows == 3:
-            grad = _gauss_rows(raw.grad, rows, first, raw.group_size, number, q_count, n)
+            grad = _gauss_rows(raw.grad, before, rows, number, q_count, n)
             for i in range(n):
                 # - (V/A) sum_e Phi_e n_e1, (1/A) sum_e Phi_e n_e2
                 for e in range(normals.shape[1]):
@@ -630,13 +632,10 @@ def _fill_area_rates(raw, edges, point_of, d_edges, weights, normals, factors, r
             value_rates[e] = d_edges.phi[at : at + n * count]
         own = np.empty((PLANE, 2, n * count))
         area_rows(value_rates, own)
-        area = _area_rows(
-            raw.grad, rows, raw.start[column], raw.group_size, number, cells, q_count * cells, n
-        )
-        pairs, at = len(area), rows * rates.start[column, 1]
-        before = rows * (q_count * cells + pairs * number) * n * count
-        out = rates.grad[at + before : at + before + rows * pairs * n * count]
-        out = out.reshape(pairs, rows, n * count)
+        before = rows * raw.start[column] * raw.group_size
+        area = _area_rows(raw.grad, before, rows, number, cells, q_count, n)
+        at = rows * rates.start[column, 1]
+        out = _area_rows(rates.grad, at, rows, number, cells, q_count, n * count)
         out[:] = 0.0
         for t in range(PLANE):
             for i in range(n):
@@ -649,10 +648,8 @@ def _fill_area_rates(raw, edges, point_of, d_edges, weights, normals, factors, r
             continue
         values = np.empty((point_of.shape[1], n))
         _fill_values(edges, raw.start, column, point_of[cell], n, values)
-        grad = _gauss_rows(raw.grad, rows, raw.start[column], raw.group_size, number, q_count, n)
-        before = rows * number * q_count * n * count
-        d_grad = rates.grad[at + before : at + before + rows * q_count * n * count]
-        d_grad = d_grad.reshape(q_count, rows, n, count)
+        grad = _gauss_rows(raw.grad, before, rows, number, q_count, n)
+        d_grad = _gauss_rows(rates.grad, at, rows, number, q_count, n * count)
         for i in range(n):
             for p in range(count):
                 k, rate = i * count + p, factor_rates[which[p], cell]
@@ -670,7 +667,7 @@ def _fill_area_rates(raw, edges, point_of, d_edges, weights, normals, factors, r
                     # (c w Phi_I,j)'
                     for j in range(2):
                         moved = weight_rates[which[p], cell, q] * grad[q, j, i]
-                        moved += weights[cell, q] * d_grad[q, j, i, p]
+                        moved += weights[cell, q] * d_grad[q, j, k]
                         out[PLANE + 1, j, k] += moved * (1.0 if j == 0 else factor[2])
 
 
@@ -688,12 +685,11 @@ def _add_area_seeds(
     for cell in range(cells * first, cells * last):
         column, number, n = _of_cell(raw.start, cell, n_cells)
         at, factor = raw.start[column] - raw.start[first], factors[cell]
-        area = _area_rows(
-            raw.grad, rows, raw.start[column], raw.group_size, number, cells, q_count * cells, n
-        )
-        seed = _area_rows(
-            flat, rows, at * count, raw.group_size, number, cells, q_count * cells, n * count
-        )
+        before, on_rows = (
+            rows * raw.start[column] * raw.group_size, rows * at * count * raw.group_size
+        )  # fmt: skip
+        area = _area_rows(raw.grad, before, rows, number, cells, q_count, n)
+        seed = _area_rows(flat, on_rows, rows, number, cells, q_count, n * count)
         own, value_bar = np.empty((PLANE, 2, n * count)), np.zeros((point_of.shape[1], n * count))
         for t in range(PLANE):
             for i in range(n):
@@ -705,12 +701,8 @@ def _add_area_seeds(
         if rows == 3:
             values = np.empty((point_of.shape[1], n))
             _fill_values(edges, raw.start, column, point_of[cell], n, values)
-            grad = _gauss_rows(
-                raw.grad, rows, raw.start[column], raw.group_size, number, q_count, n
-            )
-            on_grad = _gauss_rows(
-                flat, rows, at * count, raw.group_size, number, q_count, n * count
-            )
+            grad = _gauss_rows(raw.grad, before, rows, number, q_count, n)
+            on_grad = _gauss_rows(flat, on_rows, rows, number, q_count, n * count)
             for i in range(n):
                 for m in range(count):
                     k = i * count + m
