@@ -12,6 +12,10 @@ A sharp corner has two points, each with the edge on its side of the corner alon
 The Gauss points of a curved edge of length h lie on the parabola with X'' of one of its ends,
 
     X_q = N_A X_A + N_B X_B - (h^2 / 12) X''.
+
+In a body of revolution the weights R psi_A of an edge from the axis have no first moment about A, but a
+second one: with Gauss points on the parabola the mean of a point A on the axis would lie beside the
+curve by a fraction of h^2 |X''|. Its Gauss points lie on the straight edge, so that the mean is X_A.
 """
 
 from dataclasses import replace
@@ -72,6 +76,10 @@ def averaged_points(
     bend[np.hypot(*bend.T) < STRAIGHT * np.hypot(*(nominal[b] - nominal[a]).T)] = 0.0
     near, far = _curved(bend, bend[back], inner, inner[back] & known)
     near, far = (own * ~at_corner for own in (near, far))
+    straight = near + far == 0.0
+    if axisymmetric:
+        # a point on the axis has the mean of the chord: the weights R psi_A have no first moment
+        near, far = (np.where(nominal[a, 0] == 0.0, 0.0, own) for own in (near, far))
     # h^2 X'' at A by (A, B, C), or at B by (B, A, D)
     one, two = near[:, None] * factors, far[:, None] * factors[back]
     bulge = np.column_stack([one[:, 0] + two[:, 1], one[:, 1] + two[:, 0], one[:, 2], two[:, 2]])
@@ -87,7 +95,7 @@ def averaged_points(
     if axisymmetric:
         # the axis is no end: the mirror image follows, and dual hats have no weight there
         inside = (inner | (nominal[a, 0] == 0.0)) & known
-    straight_end = ~(inside & inside[back]) & (near + far == 0.0)
+    straight_end = ~(inside & inside[back]) & straight
     gamma = np.where(straight_end, DUAL, SMOOTH)
     gamma = np.where(at_corner, beside_corner, gamma)
     if axisymmetric:

@@ -50,3 +50,23 @@ def test_rounding_of_the_particles_does_not_decide_on_the_curvature_of_an_arc(mi
     # between two edges of the arc, both ends give half of the curvature
     inner = here.weights[20]
     assert inner[2] == pytest.approx(inner[3], rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3], ids=["even", "uneven"])
+def test_the_mean_of_a_round_boundary_at_the_axis_is_its_particle(share):
+    """The next ones lie on the sphere up to the fourth power of the spacing."""
+    radius, away = 3.0, []
+    for count in (12, 24):
+        number, step = np.arange(count), np.ones(count - 1)
+        step[1::2] += share
+        angle = np.append(0.0, np.cumsum(step))
+        # from the edge of the dome to the axis
+        angle = 1.5 * angle[::-1] / angle[-1]
+        arc = radius * np.column_stack([np.sin(angle), np.cos(angle)])
+        arc[-1] = 0.0, radius
+        neighbours = np.column_stack([np.maximum(number - 1, 0), np.minimum(number + 1, count - 1)])
+        means = averaged_points(number, neighbours, arc, axisymmetric=True).averages.at(arc)
+        np.testing.assert_allclose(means[-1], arc[-1], rtol=0.0, atol=1e-15)
+        away.append(np.abs(np.hypot(*means[-5:-1].T) - radius).max())
+    assert away[0] < 2e-3
+    assert away[1] < away[0] / 4.0

@@ -1,6 +1,7 @@
 """Sections of bodies of revolution that touch the axis, or lie beyond it."""
 
 import pytest
+from exact_gradients import require_exact
 from ring_files import HEAD, PLANE, under_a_lid
 
 import seal_mdao as sm
@@ -55,6 +56,50 @@ def test_an_arc_that_ends_at_an_edge_on_the_axis(tmp_path):
     outer += '{ edge = "axis", line = [[0.0, 0.0], [0.0, -4.0]] }'
     file = read(tmp_path, FILE.format(outer=outer))
     assert file.supports["axis"] == (0,)
+
+
+DOME = (
+    PLANE
+    + HEAD.replace("{bulk}", "20000.0").replace("{spacing}", "0.8")
+    + """\
+outer = [
+  { edge = "base", line = [[0.0, 0.0], [4.0, 0.0]] },
+  { edge = "dome", arc = { start = [4.0, 0.0], through = [2.4, 3.2], end = [0.0, 4.0] } },
+  { edge = "axis", line = [[0.0, 4.0], [0.0, 0.0]] },
+]
+[[profile]]
+name = "lid"
+friction = 0.0
+normal_penalty = 1e6
+tangent_penalty = 1e4
+line = [[0.0, 0.0], [20.0, 0.0]]
+start = [0.0, START]
+stage = [{ translate = [0.0, TRAVEL], steps = 4 }]
+[[measure]]
+type = "reaction"
+[[design]]
+edges = ["dome"]
+parameters = 4
+bound = 0.2
+"""
+)
+
+
+def pressed_dome(tmp_path, gap):
+    """A half ball on a plane of symmetry, below a lid that moves from a distance to one place."""
+    text = DOME.replace("START", str(4.0 + gap)).replace("TRAVEL", str(-0.5 - gap))
+    return sm.analyze(sm.build_seal(read(tmp_path, text)))
+
+
+def test_a_dome_may_touch_a_lid_at_the_axis_at_the_start(tmp_path):
+    """The contact point on the axis is not inside the lid; the force is that of a lid from above."""
+    force, other = (pressed_dome(tmp_path, gap).value("reaction")[0] for gap in (0.0, 0.05))
+    assert force > 0.5
+    assert force == pytest.approx(other, rel=1e-6)
+
+
+def test_gradients_of_a_dome_below_a_lid(tmp_path):
+    require_exact(pressed_dome(tmp_path, 0.05), ["reaction"], 1e-4)
 
 
 def cylinder(radius):
