@@ -352,8 +352,9 @@ class CellTable:
             n = np.diff(raw.start[ends])[0]
             on_rows = np.empty((per_point * n * gauss.raw.group_size, m))
             on_values = np.zeros((n * edges.raw.group_size, m))
-            # a copy: those on the gradients grow
-            seeds = seeds.copy()
+            if self.axisymmetric:
+                # those on the gradients grow by those on their means
+                seeds = seeds.copy()
             _add_area_seeds(
                 raw, edges.raw, self.rule.point_of, self.cell_weights, area_normals, factors.values,
                 columns, seeds, on_values, weight_bar, area_normal_bar, factor_bar,

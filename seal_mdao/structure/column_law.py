@@ -27,6 +27,7 @@ from seal_mdao.structure.deformation import (
     at_point,
     cell_mean,
     gradient_determinant,
+    plane_jacobian,
     volume_of,
 )
 from seal_mdao.structure.internal_force import (
@@ -40,7 +41,6 @@ from seal_mdao.structure.internal_force import (
     hoop_stretch,
     mean_pressure,
     piola_stress,
-    plane_jacobian,
     point_moduli,
     remove_quadratic_moduli,
     without_quadratic,

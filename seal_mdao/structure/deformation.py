@@ -81,6 +81,12 @@ def cell_mean(functions, h, q, q_count):
 
 
 @inlined
+def plane_jacobian(f):
+    """det F of the in-plane F, which is dJ/dh."""
+    return f[0] * f[3] - f[1] * f[2]
+
+
+@inlined
 def gradient_determinant(f):
     """det(F - 1)."""
     return (f[0] - 1.0) * (f[3] - 1.0) - f[1] * f[2]
@@ -98,8 +104,7 @@ def _volume_strain(functions, h, weights, column, f, areas):
         change -= cell_mean(functions, h, q, q_count) * weight * gradient_determinant(f[q])
     for t in range(len(areas)):
         # + n_h det G_t
-        g = areas[t]
-        change += functions[h, q_count + t] * (g[0] * g[3] - g[1] * g[2])
+        change += functions[h, q_count + t] * plane_jacobian(areas[t])
     return change / volume
 
 

@@ -17,13 +17,8 @@ import numpy as np
 
 from seal_mdao.compilation import compiled
 from seal_mdao.rkpm.shape_functions import grad_rows
-from seal_mdao.structure.deformation import determinants
-from seal_mdao.structure.internal_force import (
-    W_H,
-    piola_stress,
-    plane_jacobian,
-    without_quadratic,
-)
+from seal_mdao.structure.deformation import determinants, plane_jacobian
+from seal_mdao.structure.internal_force import W_H, piola_stress, without_quadratic
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,13 @@ import numpy as np
 
 from seal_mdao.compilation import compiled, inlined, internal
 from seal_mdao.rkpm.shape_functions import grad_rows
-from seal_mdao.structure.deformation import at_point, cell_mean, volume_of, widest_group
+from seal_mdao.structure.deformation import (
+    at_point,
+    cell_mean,
+    plane_jacobian,
+    volume_of,
+    widest_group,
+)
 
 # Rows of the derivatives of W that only bodies of revolution have.
 W_H, W_TH, W_JH, W_HH = 5, 6, 7, 8
@@ -31,12 +37,6 @@ W_H, W_TH, W_JH, W_HH = 5, 6, 7, 8
 def hoop_stretch(f):
     """h of a point, 1 in plane strain."""
     return f[5] if f.size == 6 else 1.0
-
-
-@inlined
-def plane_jacobian(f):
-    """det F of the in-plane F, which is dJ/dh."""
-    return f[0] * f[3] - f[1] * f[2]
 
 
 @inlined

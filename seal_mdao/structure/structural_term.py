@@ -22,7 +22,7 @@ from seal_mdao.structure.environment import (
     at_points,
     region_conditions,
 )
-from seal_mdao.structure.internal_force import assemble_internal, plane_jacobian
+from seal_mdao.structure.internal_force import assemble_internal
 from seal_mdao.structure.linearized_body import BodyBlock, CellBasis, LinearizedBody
 from seal_mdao.structure.linearized_relaxation import LinearizedRelaxation
 from seal_mdao.structure.linearized_softening import LinearizedSoftening
@@ -412,7 +412,7 @@ class StructuralTerm(Term):
         if around:
             # of J = h det F, h = h0 + g: h0 det G + g (det(F0 + G) - det F0)
             ends = own[..., :4], own[..., :4] - f[..., :4] + (1.0, 0.0, 0.0, 1.0)
-            grown = np.subtract(*(plane_jacobian(np.moveaxis(end, -1, 0)) for end in ends))
+            grown = np.subtract(*map(determinants, ends))
             beyond = (self.deformation.hoop[0] - g) * beyond + g * grown
         # sum_q N_h w det G, of which the part in the plane is that of the rows of areas
         gradients = f[..., :4] - (1.0, 0.0, 0.0, 1.0)

@@ -76,10 +76,9 @@ def averaged_points(
     bend[np.hypot(*bend.T) < STRAIGHT * np.hypot(*(nominal[b] - nominal[a]).T)] = 0.0
     near, far = _curved(bend, bend[back], inner, inner[back] & known)
     near, far = (own * ~at_corner for own in (near, far))
-    straight = near + far == 0.0
-    if axisymmetric:
-        # a point on the axis has the mean of the chord: the weights R psi_A have no first moment
-        near, far = (np.where(nominal[a, 0] == 0.0, 0.0, own) for own in (near, far))
+    straight, on_axis = near + far == 0.0, axisymmetric & (nominal[a, 0] == 0.0)
+    # a point on the axis has the mean of the chord: the weights R psi_A have no first moment
+    near, far = (own * ~on_axis for own in (near, far))
     # h^2 X'' at A by (A, B, C), or at B by (B, A, D)
     one, two = near[:, None] * factors, far[:, None] * factors[back]
     bulge = np.column_stack([one[:, 0] + two[:, 1], one[:, 1] + two[:, 0], one[:, 2], two[:, 2]])
@@ -91,17 +90,15 @@ def averaged_points(
     anchors = np.column_stack([a, b, c, np.where(known, c[back], b)])
     gauss = PointSet(np.repeat(anchors, 2, axis=0), between.reshape(-1, 4), 4, sloped=False, ends=2)
     # m_q / l = w/2 [N_A + gamma (N_A - N_B)]
-    inside = inner & known
-    if axisymmetric:
-        # the axis is no end: the mirror image follows, and dual hats have no weight there
-        inside = (inner | (nominal[a, 0] == 0.0)) & known
+    # the axis is no end: the mirror image follows, and dual hats have no weight there
+    inside = (inner | on_axis) & known
     straight_end = ~(inside & inside[back]) & straight
     gamma = np.where(straight_end, DUAL, SMOOTH)
     gamma = np.where(at_corner, beside_corner, gamma)
     if axisymmetric:
         # an edge of length h from the axis: the mean radius h (1 - 2 gamma) / (2 (1 - gamma)) is to be
         # that of other points at corners
-        from_axis = corner & (nominal[a, 0] == 0.0) & (nominal[b, 0] != 0.0)
+        from_axis = corner & on_axis & (nominal[b, 0] != 0.0)
         beside = (1.0 - beside_corner) / 3.0
         gamma[from_axis | (from_axis[back] & known)] = (1.0 - 2.0 * beside) / (2.0 - 2.0 * beside)
     gamma = gamma[:, None]

@@ -14,7 +14,7 @@ from seal_mdao.analysis_cache import held_bytes
 
 @pytest.mark.parametrize("changes", [{"n_steps": 10**8}, {"n_steps": 10**9, "rays": 116}])
 def test_more_than_the_machine_has_is_refused_with_both_numbers(changes):
-    # kernels are loaded or compiled before memory is traced
+    # what the first estimate imports is not counted
     sm.estimate(sm.door_seal(n_steps=2))
     tracemalloc.start()
     try:

@@ -2,27 +2,18 @@
 
 import numpy as np
 import pytest
+from square_bodies import (
+    AROUND,
+    BULK_MODULUS,
+    HEIGHT,
+    SHEAR_MODULUS,
+    inverse_tangent,
+    rubber,
+    section,
+)
 
 import seal_mdao as sm
-from seal_mdao.analysis.problem import PathProblem
 
-RUBBER = """
-[material.{name}]
-law = "neo_hookean"
-c10 = 100.0
-bulk_modulus = 2e4
-"""
-SECTION = """
-[section]
-material = "one"
-spacing = 0.4
-outer = [
-  { edge = "base", line = [[LEFT, 0.0], [RIGHT, 0.0]] },
-  { edge = "right", line = [[RIGHT, 0.0], [RIGHT, 4.0]] },
-  { edge = "top", line = [[RIGHT, 4.0], [LEFT, 4.0]] },
-  { edge = "left", line = [[LEFT, 4.0], [LEFT, 0.0]] },
-]
-"""
 REGION = (
     'region = [{ material = "two", at = [0.5, 3.0], line = [[-4, 1.5], [0.5, 2.2], [4, 1.5]] }]\n'
 )
@@ -30,18 +21,20 @@ BETWEEN_WALLS = '[[symmetry]]\nedges = ["left", "right"]\nnormal = "x"\n[fixed]\
 SIDE = (
     '[[moved]]\nedges = ["{}"]\ndirections = ["x"]\nstage = [{{ translate = [0, 0], steps = 1 }}]\n'
 )
-AROUND = '[fixed]\nedges = ["base"]\ndirections = ["y"]\n' + SIDE.format("right")
+TURNED = '[fixed]\nedges = ["base"]\ndirections = ["y"]\n' + SIDE.format("right")
 LID = SIDE.format("top").replace('"x"', '"y"').replace("[0, 0]", "[0, -TRAVEL]")
-MODULUS, BULK, HEIGHT = 200.0, 2e4, 4.0
 
-BLOCK = RUBBER.format(name="one") + SECTION.replace("LEFT", "-4.0").replace("RIGHT", "4.0")
+
+def body(left, right):
+    """Tables of a body of the material ``one``."""
+    return rubber("one") + section(left, right, 0.4, "one")
+
+
 CASES = {
-    "block": BLOCK + BETWEEN_WALLS,
-    "two materials": RUBBER.format(name="two") + BLOCK + REGION + BETWEEN_WALLS,
-    "cylinder": '[model]\nkinematics = "axisymmetric"\n' + RUBBER.format(name="one")
-    + SECTION.replace("LEFT", "0.0").replace("RIGHT", "6.0") + AROUND,
-    "ring": '[model]\nkinematics = "axisymmetric"\n' + RUBBER.format(name="one")
-    + SECTION.replace("LEFT", "0.5").replace("RIGHT", "6.0") + AROUND + SIDE.format("left"),
+    "block": body(-4.0, 4.0) + BETWEEN_WALLS,
+    "two materials": rubber("two") + body(-4.0, 4.0) + REGION + BETWEEN_WALLS,
+    "cylinder": AROUND + body(0.0, 6.0) + TURNED,
+    "ring": AROUND + body(0.5, 6.0) + TURNED + SIDE.format("left"),
 }  # fmt: skip
 
 
@@ -50,18 +43,16 @@ CASES = {
 def test_a_uniform_strain_stays_uniform(tmp_path, name, pressure):
     """u = -travel y / 4 to rounding: eps times the condition of the tangent and the number of terms of a
     force; by quadrature of the volume displacements oscillated above 1.5 to 9 shear moduli."""
-    travel = pressure * MODULUS * HEIGHT / BULK
+    travel = pressure * SHEAR_MODULUS * HEIGHT / BULK_MODULUS
     path = tmp_path / "confined.toml"
     path.write_text(CASES[name] + LID.replace("TRAVEL", str(travel)), encoding="utf-8")
     result = sm.analyze(sm.build_seal(path))
     assert result.converged
     particles = result.seal.nominal_particles
     exact = particles * [0.0, -travel / HEIGHT]
-    problem = PathProblem(result.path.discretization, result.seal.terms())
-    factor = problem.assemble_at(result.path.steps[-1]).factorize()
-    inverse = factor.solve(np.eye(result.path.discretization.layout.n_equations))
+    condition = np.linalg.cond(inverse_tangent(result))
     # a force has 4 + 3 terms of each of about 16 cells in the support of a particle
-    rounding = 7 * 16 * np.finfo(float).eps * np.linalg.cond(inverse) * travel
+    rounding = 7 * 16 * np.finfo(float).eps * condition * travel
     assert rounding < 1e-8
     np.testing.assert_allclose(result.deformed() - particles, exact, rtol=0.0, atol=rounding)
     assert result.warnings == ()
