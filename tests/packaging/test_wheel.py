@@ -110,7 +110,7 @@ def test_upgrade_over_the_kernel_cache_of_an_older_version(tmp_path, install, st
         package / "rkpm" / "shape_functions.py",
     )
     for path, found, older in (
-        (inner, "f11 += displacement[0, a]", "f11 += 4.0 * displacement[0, a]"),
+        (inner, "g11 += displacement[0, i] * a", "g11 += 4.0 * displacement[0, i] * a"),
         (shapes, "class ShapeTable(NamedTuple)", "class _Unused(NamedTuple)"),
         (shapes, "class Cloud(", "from seal_mdao.rkpm.gone import ShapeTable\n\n\nclass Cloud("),
     ):
