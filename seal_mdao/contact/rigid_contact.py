@@ -342,7 +342,7 @@ class ContactTerm(PointTerm):
         slack = 0.0
         if self.where.averages is not None:
             # means lie beside the curve by less than the slack; inside are those whose particles are
-            slack = SLACK * self.length
+            slack = SLACK * self.where.lengths(self.discretization.particles)
             points = self.where.points.at(self.discretization.particles)
             own = self.gaps(points, self.begins_at)
             slack = np.where(own < 0.0, 0.0, slack)
