@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from round_tip import PRESSED_TIP
+from verification.contact_profiles import stored
 
 import seal_mdao as sm
 from seal_mdao.contact.friction import OPEN, SLIP, STICK
-from seal_mdao.measures.contact_pressure import points_around_peak
+from seal_mdao.measures.contact_pressure import fall_beside_peak, points_around_peak
 from seal_mdao.measures.selection import (
     boundary_peaks,
     contact_patches,
@@ -14,7 +15,7 @@ from seal_mdao.measures.selection import (
     open_points,
 )
 from seal_mdao.seals.door.door_seal import STANDARD, options_of
-from seal_mdao.seals.profiles import contact_counts
+from seal_mdao.seals.profiles import contact_counts, profile_histories
 from seal_mdao.seals.result import analyze_particles
 
 
@@ -264,3 +265,68 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
 )
 def test_points_around_the_highest_pressure(gap, closed, points):
     assert points_around_peak(np.array(gap), closed).tolist() == points
+
+
+PUNCH = """
+symmetry = [{ edges = ["middle"], normal = "x" }]
+[material.rubber]
+law = "mooney_rivlin"
+c10 = 80.0
+c01 = 20.0
+bulk_modulus = 80000.0
+[section]
+material = "rubber"
+SPACING
+outer = [
+  { edge = "middle", line = [[0.0, 6.0], [0.0, 0.0]] },
+  { edge = "sole", line = [[0.0, 0.0], [3.0, 0.0]] },
+  { edge = "sole", arc = { start = [3.0, 0.0], through = [3.707106781187, 0.292893218813], end = [4.0, 1.0] } },
+  { edge = "side", line = [[4.0, 1.0], [4.0, 6.0]] },
+  { edge = "bond", line = [[4.0, 6.0], [0.0, 6.0]] },
+]
+[fixed]
+edges = ["bond"]
+[[profile]]
+name = "plane"
+friction = 0.2
+contact = ["sole"]
+line = [[20.0, 0.0], [-20.0, 0.0]]
+stage = [{ translate = [0.0, 0.3] }]
+"""
+
+
+@pytest.mark.parametrize(
+    ("finer", "reported", "error"),
+    [
+        ("", True, (-0.2, -0.1)),
+        pytest.param(
+            "edge_spacing = { sole = 0.1 }", False, (-0.02, 0.02), marks=pytest.mark.long
+        ),
+    ],
+)
+def test_a_peak_on_a_short_length_is_reported(tmp_path, finer, reported, error):
+    """A flat punch whose rounded corners have just come into contact, against finite elements."""
+    path = tmp_path / "punch.toml"
+    path.write_text(PUNCH.replace("SPACING", f"spacing = 0.4\n{finer}") + MEASURES)
+    result = sm.analyze(sm.build_seal(path))
+    texts = [text for text in result.warnings if "peak pressure on 'plane' is concentrated" in text]
+    assert ["near x = 3," in text for text in texts] == [True] * reported
+    (history,) = profile_histories(result)
+    assert error[0] < history.nominal_peak[-1] / stored("rounded_punch").peak[0] - 1.0 < error[1]
+
+
+@pytest.mark.parametrize(
+    ("gap", "closed", "fall"),
+    [
+        ([0.1, -0.1, -0.4, -0.3, 0.1], False, 0.5),
+        # open points and the ends of an open boundary are not beside the peak
+        ([0.1, -0.4, -0.3, 0.1], False, 0.25),
+        ([-0.4, -0.3, 0.1], False, 0.25),
+        ([-0.4, -0.3, 0.1, -0.1], True, 0.5),
+        ([-0.2, -0.2, -0.2], False, 0.0),
+    ],
+)
+def test_fall_beside_the_highest_pressure(gap, closed, fall):
+    gap = np.array(gap)
+    found = fall_beside_peak(gap, points_around_peak(gap, closed))
+    assert found == pytest.approx(fall, abs=1e-15)
