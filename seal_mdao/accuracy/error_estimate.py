@@ -273,10 +273,8 @@ class ComparedPaths:
 def _end_of(result: SealResult) -> str:
     """Describe where and why a path that is only compared has ended, without advice."""
     done = len(result.path.nominal_steps)
-    # "load step 8 (load parameter 8.0000): the cause; details"
-    cause = result.path.failure.split(";")[0].partition(": ")[2]
     where = f"beyond {result.caption(done - 1)}" if done else "in its first load step"
-    return f"could not be completed {where}: {cause}"
+    return f"could not be completed {where}: {result.path.status.value}"
 
 
 def _error_before(coarse: SealResult, fine: SealResult) -> str:
