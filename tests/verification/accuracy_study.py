@@ -246,15 +246,29 @@ def main(arguments=None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("quantities", nargs="*", metavar="QUANTITY", help=", ".join(FUNCTION))
     options = parser.parse_args(arguments)
-    wanted = options.quantities or list(FUNCTION)
-    own = {name: {key(a): a for a in found} for name, found in cases().items() if name in wanted}
-    tasks = [(name, a) for name, found in own.items() for a in found.values()]
+    known, failed = cases(), []
     # spawned, for numba's threads do not survive a fork
     with multiprocessing.get_context("spawn").Pool(min(2, os.cpu_count() or 1)) as pool:
-        found = iter(pool.map(_compute, tasks, chunksize=1))
-    values = _values() | {name: {k: next(found) for k in keys} for name, keys in own.items()}
-    ordered = {"date": today()} | {name: values[name] for name in FUNCTION if name in values}
+        for name in options.quantities or FUNCTION:
+            own = {key(arguments): arguments for arguments in known[name]}
+            tasks = [(name, arguments) for arguments in own.values()]
+            try:
+                found = pool.map(_compute, tasks, chunksize=1)
+            except Exception as error:
+                # the other quantities are computed and stored
+                failed.append(f"{name}: {type(error).__name__}: {error}")
+                continue
+            _store(name, dict(zip(own, found, strict=True)))
+    if failed:
+        raise SystemExit("\n".join(failed))
+
+
+def _store(quantity: str, values: dict) -> None:
+    """Write the values of a quantity beside those that are stored."""
+    known = _values() | {quantity: values}
+    ordered = {"date": today()} | {name: known[name] for name in FUNCTION if name in known}
     VALUES.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
+    _file.cache_clear()
 
 
 if __name__ == "__main__":
