@@ -280,7 +280,7 @@ SPACING
 outer = [
   { edge = "middle", line = [[0.0, 6.0], [0.0, 0.0]] },
   { edge = "sole", line = [[0.0, 0.0], [3.0, 0.0]] },
-  { edge = "sole", arc = { start = [3.0, 0.0], through = [3.707106781187, 0.292893218813], end = [4.0, 1.0] } },
+  { edge = "sole", arc = { start = [3.0, 0.0], through = [3.6, 0.2], end = [4.0, 1.0] } },
   { edge = "side", line = [[4.0, 1.0], [4.0, 6.0]] },
   { edge = "bond", line = [[4.0, 6.0], [0.0, 6.0]] },
 ]
@@ -299,9 +299,7 @@ stage = [{ translate = [0.0, 0.3] }]
     ("finer", "reported", "error"),
     [
         ("", True, (-0.2, -0.1)),
-        pytest.param(
-            "edge_spacing = { sole = 0.1 }", False, (-0.02, 0.02), marks=pytest.mark.long
-        ),
+        pytest.param("edge_spacing = { sole = 0.1 }", False, (-0.02, 0.02), marks=pytest.mark.long),
     ],
 )
 def test_a_peak_on_a_short_length_is_reported(tmp_path, finer, reported, error):
