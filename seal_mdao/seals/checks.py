@@ -49,6 +49,8 @@ AT_CORNER = 3.0
 """Distance from a re-entrant corner, in spacings there, within which it inverts material."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
+ROUNDING = 1e-9
+"""Radius that is zero, over the size of the section."""
 NO_STRAIN = 1e-9
 """Strain whose stresses count as zero."""
 FEW_CELLS = 0.01
@@ -86,7 +88,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = EvaluationPoints(path)
         checks = (
-            _crossing, _balance, _stability, _volume, _local, _inside_profiles,
+            _crossing, _beyond_axis, _balance, _stability, _volume, _local, _inside_profiles,
             _inside_itself, _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
@@ -529,6 +531,22 @@ def _inside_profiles(samples: EvaluationPoints):
                 "rounder profile, a larger normal penalty, or less travel",
                 not gap[worst] >= -DEEP * samples.wall,
             )
+
+
+def _beyond_axis(samples: EvaluationPoints):
+    """Report a boundary of a body of revolution that has passed through the axis."""
+    body = samples.path.discretization.body
+    # r < 0 by more than rounding
+    places = samples.places[np.unique(samples.chains)]
+    place = places[np.argmin(places[:, 0])]
+    size = float(np.ptp(samples.path.discretization.particles, axis=0).max())
+    if body.axisymmetric and not place[0] >= -ROUNDING * size:
+        yield Finding(
+            f"the boundary lies {-place[0]:.3g} mm beyond the axis of revolution x = 0 near "
+            f"{_at(place)}: a body of revolution cannot pass through its axis; use less travel, or "
+            "model what closes at the axis as a [[profile]]",
+            True,
+        )
 
 
 def _below_base(samples: EvaluationPoints):

@@ -63,11 +63,11 @@ def _across(samples: EvaluationPoints, chains) -> np.ndarray:
     """Stretch across the plane at the middles of sides, shape (m,)."""
     if not samples.path.discretization.body.axisymmetric:
         return np.full(len(chains), samples.axial_stretch)
-    # h = r / R; 1 on the axis, which is no surface
+    # h = r / R; 1 on the axis and beyond it, where no surface is
     middles = chains[:, chains.shape[1] // 2]
-    radius = samples.undeformed[middles, 0]
-    on_axis = radius <= 0.0
-    return np.where(on_axis, 1.0, samples.places[middles, 0] / np.where(on_axis, 1.0, radius))
+    radius, deformed = samples.undeformed[middles, 0], samples.places[middles, 0]
+    outside = (radius > 0.0) & (deformed > 0.0)
+    return np.where(outside, deformed / np.where(outside, radius, 1.0), 1.0)
 
 
 def _held(samples: EvaluationPoints, ends) -> np.ndarray:

@@ -121,3 +121,86 @@ def test_a_plane_of_symmetry_across_the_axis_holds_a_ring(tmp_path, radius):
 def test_the_axis_holds_nothing_along_itself(tmp_path, radius):
     with pytest.raises(sm.SealFileError, match="profiles must support the section"):
         read(tmp_path, cylinder(radius))
+
+
+CIRCLE = """\
+outer = [
+  {{ edge = "outside", arc = {{ start = [{x}, -2.0], through = [{right}, 0.0], end = [{x}, 2.0] }} }},
+  {{ edge = "inside", arc = {{ start = [{x}, 2.0], through = [{left}, 0.0], end = [{x}, -2.0] }} }},
+]
+[[moved]]
+edges = ["outside"]
+directions = ["y"]
+stage = [{{ translate = [0.0, -0.1] }}]
+"""
+
+
+def circle(inner):
+    """A file of an O-ring with this inner radius."""
+    text = HEAD.replace("{bulk}", "80000.0").replace("{spacing}", "0.5")
+    return text + CIRCLE.format(x=inner + 2.0, left=inner, right=inner + 4.0)
+
+
+def test_an_arc_that_touches_the_axis_between_its_ends_is_refused(tmp_path):
+    assert read(tmp_path, circle(0.1)).axisymmetric
+    with pytest.raises(
+        sm.SealFileError, match="'inside' touches the axis x = 0 in the single point y = 0;"
+    ):
+        read(tmp_path, circle(0.0))
+
+
+MOVED = '[[moved]]\nedges = ["EDGE"]\nstage = [{ translate = TRAVEL, steps = 2 }]\n'
+GLUED = """\
+[[profile]]
+name = "plate"
+friction = 0.3
+contact = ["side"]
+glued = ["EDGE"]
+line = [[0.0, 0.0], [20.0, 0.0]]
+start = [0.0, 2.0]
+stage = [{ translate = TRAVEL, steps = 2 }]
+"""
+
+
+def pulled(inner, edge, travel, table=MOVED):
+    """A file of a ring on a smooth base of which an edge moves by ``travel``."""
+    text, _, _ = under_a_lid((inner, 4.0), 2.0, 2.0, -0.1, 2).partition("[[profile]]")
+    table = table.replace("EDGE", edge).replace("TRAVEL", str(list(travel)))
+    return f'{text}[fixed]\nedges = ["base"]\ndirections = ["y"]\n{table}'
+
+
+@pytest.mark.parametrize("table", [MOVED, GLUED])
+def test_an_edge_that_touches_the_axis_does_not_move_along_x(tmp_path, table):
+    """There the particle on the axis would stay, and the one beside it would move."""
+    assert read(tmp_path, pulled(0.0, "top", (0.0, -0.1), table)).axisymmetric
+    with pytest.raises(
+        sm.SealFileError, match="touches the axis of revolution x = 0, where nothing"
+    ):
+        read(tmp_path, pulled(0.0, "top", (0.2, -0.1), table))
+
+
+def test_an_edge_does_not_move_beyond_the_axis(tmp_path):
+    assert read(tmp_path, pulled(0.5, "inside", (-0.3, 0.0))).axisymmetric
+    with pytest.raises(sm.SealFileError, match=r"moves the edge 'inside' to x = -0\.1, but a body"):
+        read(tmp_path, pulled(0.5, "inside", (-0.6, 0.0)))
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_boundary_beyond_the_axis_is_no_result(tmp_path):
+    """A parameter moves the bore farther than the file does."""
+    text = pulled(0.5, "inside", (-0.3, 0.0))
+    seal = sm.build_seal(read(tmp_path, text)).placed(("inside_x",))
+    assert sm.analyze(seal).trustworthy
+    result = sm.analyze(seal, parameters={"inside_x": -0.3})
+    assert result.converged
+    assert not result.trustworthy
+    assert any("beyond the axis of revolution x = 0" in own for own in result.faults)
+
+
+def test_the_axis_is_no_support_whose_force_is_a_measure(tmp_path):
+    text = pulled(0.0, "top", (0.0, -0.1)) + '[[measure]]\ntype = "reaction"\nedges = ["{edge}"]\n'
+    assert read(tmp_path, text.replace("{edge}", "top")).axisymmetric
+    with pytest.raises(
+        sm.SealFileError, match="contains 'inside', which is neither fixed nor moved"
+    ):
+        read(tmp_path, text.replace("{edge}", "inside"))

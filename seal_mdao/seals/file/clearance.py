@@ -42,7 +42,7 @@ def gap_at_start(profile):
 def nearest_at_start(profile, outline) -> Nearest:
     """Find the point of the edges that may touch a profile where their gap at the start is least."""
     gap, sagitta = gap_at_start(profile), LOOK * outline.size
-    found = (_nearest_of(segment, gap, sagitta) for segment in _segments(profile, outline))
+    found = (nearest_of(segment, gap, sagitta) for segment in _segments(profile, outline))
     return min(found, key=lambda own: own.gap)
 
 
@@ -69,7 +69,7 @@ def nearest_free_edges(where: str, profile, file) -> tuple[str, ...]:
 
     def away(run):
         segments = (s for name in run for s in file.section.outline.edge(name))
-        return min(_nearest_of(segment, gap, sagitta).gap for segment in segments)
+        return min(nearest_of(segment, gap, sagitta).gap for segment in segments)
 
     return min(runs, key=away)
 
@@ -167,7 +167,7 @@ def _segments(profile, outline) -> list:
     return [segment for name in profile.contact for segment in outline.edge(name)]
 
 
-def _nearest_of(segment, gap, sagitta) -> Nearest:
+def nearest_of(segment, gap, sagitta) -> Nearest:
     """Find the nearest point of a segment: by chords first, then between the ends beside the best."""
 
     def at(fraction):

@@ -12,6 +12,7 @@ from seal_mdao.measures.load_deflection import LoadDeflectionError
 from seal_mdao.measures.reaction import TRAVEL, Reaction
 from seal_mdao.seals.file.forms import Form, Names, Point, Text, many, number, one_of, whole
 from seal_mdao.seals.file.measure_table import KINDS, MeasureTable, OfProfile, kind
+from seal_mdao.seals.file.model_table import AXIAL, axis_edges
 from seal_mdao.seals.file.schema import key, known
 from seal_mdao.seals.file.target_curve import read_target
 from seal_mdao.seals.file.viscoelastic_table import relaxes
@@ -164,13 +165,15 @@ class ReactionTable(OfProfile):
                 f"{where}: time needs a viscoelastic material ([material.NAME.viscoelastic]), "
                 "without which stages take no time; use travel or stage instead"
             )
-        # a force on an edge needs a prescribed component
+        # a force on an edge needs a prescribed component; the axis of revolution is no support
+        axis = axis_edges(file.section.outline) if file.axisymmetric else ()
+        supports = [n for n, own in file.supports.items() if n not in axis or AXIAL in own]
         for name in self.edges or ():
             known(where, "edges", name, file.section.outline.edge_names, "edge")
-            if name not in file.supports:
+            if name not in supports:
                 raise SealFileError(
                     f"{where}: the list edges contains {name!r}, which is neither fixed nor moved; "
-                    f"the fixed and moved edges are {', '.join(file.supports) or 'none'}"
+                    f"the fixed and moved edges are {', '.join(supports) or 'none'}"
                 )
 
 

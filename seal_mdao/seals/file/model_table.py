@@ -8,8 +8,9 @@ from seal_mdao.errors import SealFileError
 from seal_mdao.materials.hoop_stretch import is_known
 from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
 from seal_mdao.seals.conditions import HOTTEST
-from seal_mdao.seals.file.clearance import LOOK, ROUNDING
+from seal_mdao.seals.file.clearance import LOOK, ROUNDING, TYPED, nearest_of
 from seal_mdao.seals.file.forms import Form, many, number, one_of
+from seal_mdao.seals.file.prescribed_edges import held
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
 
@@ -104,6 +105,7 @@ def check_axisymmetric(file) -> None:
     _check_edges_on_axis(file)
     _check_planes(file)
     _check_motions(file)
+    _check_radial_motions(file)
     for name, material in file.materials.items():
         if not is_known(material):
             raise SealFileError(
@@ -136,10 +138,12 @@ def _check_section(outline: Outline) -> None:
         if name in on_axis:
             continue
         for segment in outline.edge(name):
-            for point in np.array([segment.start, segment.end], float):
+            # its ends, and its point nearest to the axis: an arc may touch the axis between its ends
+            inner = nearest_of(segment, lambda x, _: x, LOOK * outline.size).place
+            for point in np.array([segment.start, segment.end, inner], float):
                 apart = np.hypot(*(known - point).T).min(initial=np.inf)
-                if point[0] <= tolerance and apart > tolerance:
-                    y = point[1] if abs(point[1]) > tolerance else 0.0
+                if point[0] <= tolerance and apart > LOOK * outline.size:
+                    y = point[1] if abs(point[1]) > TYPED * outline.size else 0.0
                     raise SealFileError(
                         f"[section]: the edge {name!r} touches the axis x = 0 in the single point "
                         f"y = {y:.4g}; end it at x > 0, or draw an edge along the axis"
@@ -189,3 +193,24 @@ def _check_motions(file) -> None:
                         "not possible for a body of revolution; use translate (y: axial, x: change "
                         "of radius)"
                     )
+
+
+def _check_radial_motions(file) -> None:
+    """Refuse moved or glued edges that touch the axis and move along x, or that move beyond it."""
+    outline = file.section.outline
+    for where, names, components, _, stages in held(file):
+        travel = np.cumsum([0.0, *(stage.translate[RADIAL] for stage in stages)])
+        if RADIAL not in components or not travel.any():
+            continue
+        for name in names:
+            radius = _radii(outline, name).min()
+            if radius <= _on(outline):
+                raise SealFileError(
+                    f"{where} moves the edge {name!r} along x, but the edge touches the axis of "
+                    "revolution x = 0, where nothing moves along x; translate it along y only"
+                )
+            if radius + travel.min() <= _on(outline):
+                raise SealFileError(
+                    f"{where} moves the edge {name!r} to x = {radius + travel.min():.4g}, but a body "
+                    "of revolution must stay at x > 0; use less travel along x"
+                )
