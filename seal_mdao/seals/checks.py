@@ -535,12 +535,14 @@ def _inside_profiles(samples: EvaluationPoints):
 
 def _beyond_axis(samples: EvaluationPoints):
     """Report a boundary of a body of revolution that has passed through the axis."""
-    body = samples.path.discretization.body
-    # r < 0 by more than rounding
-    places = samples.places[np.unique(samples.chains)]
+    if not samples.path.discretization.body.axisymmetric:
+        return
+    # r < 0 by more than rounding; the axis itself is no surface
+    which = np.unique(samples.chains)
+    places = samples.places[which[samples.undeformed[which, 0] > 0.0]]
     place = places[np.argmin(places[:, 0])]
     size = float(np.ptp(samples.path.discretization.particles, axis=0).max())
-    if body.axisymmetric and not place[0] >= -ROUNDING * size:
+    if not place[0] >= -ROUNDING * size:
         yield Finding(
             f"the boundary lies {-place[0]:.3g} mm beyond the axis of revolution x = 0 near "
             f"{_at(place)}: a body of revolution cannot pass through its axis; use less travel, or "
