@@ -88,7 +88,7 @@ def findings(path: PathResult) -> tuple[Finding, ...]:
     if path not in _KNOWN:
         samples = EvaluationPoints(path)
         checks = (
-            _crossing, _beyond_axis, _balance, _stability, _volume, _local, _inside_profiles,
+            _crossing, _axis, _balance, _stability, _volume, _local, _inside_profiles,
             _inside_itself, _below_base, _contact_loss, _fluids, _strains, _creases, _side, _lost,
         )  # fmt: skip
         _KNOWN[path] = tuple(found for check in checks for found in check(samples))
@@ -533,20 +533,33 @@ def _inside_profiles(samples: EvaluationPoints):
             )
 
 
-def _beyond_axis(samples: EvaluationPoints):
-    """Report a boundary of a body of revolution that has passed through the axis."""
-    if not samples.path.discretization.body.axisymmetric:
+def _axis(samples: EvaluationPoints):
+    """Report a boundary of a body of revolution that has passed through the axis, and particles on the
+    axis that have left it."""
+    path = samples.path
+    if not path.discretization.body.axisymmetric:
         return
-    # r < 0 by more than rounding; the axis itself is no surface
     which = np.unique(samples.chains)
-    places = samples.places[which[samples.undeformed[which, 0] > 0.0]]
-    place = places[np.argmin(places[:, 0])]
-    size = float(np.ptp(samples.path.discretization.particles, axis=0).max())
-    if not place[0] >= -ROUNDING * size:
+    places, radii = samples.places[which], samples.undeformed[which, 0]
+    rounding = ROUNDING * float(np.ptp(path.discretization.particles, axis=0).max())
+    # r < 0; between its particles the axis itself is no surface
+    place = min(places[radii > 0.0], key=lambda own: own[0])
+    if not place[0] >= -rounding:
         yield Finding(
             f"the boundary lies {-place[0]:.3g} mm beyond the axis of revolution x = 0 near "
             f"{_at(place)}: a body of revolution cannot pass through its axis; use less travel, or "
             "model what closes at the axis as a [[profile]]",
+            True,
+        )
+    # R = 0 and u_r != 0, prescribed by the position of moved or glued edges
+    on_axis = path.discretization.particles[:, 0] == 0.0
+    radial = np.where(on_axis, path.displacement_at(path.steps[-1])[:, 0], 0.0)
+    if not np.abs(radial).max() <= rounding:
+        worst = path.discretization.particles[np.abs(radial).argmax()]
+        yield Finding(
+            f"the end of a moved or glued edge at {_at(worst)} (undeformed coordinates) is moved by "
+            f"{np.abs(radial).max():.3g} mm away from the axis of revolution x = 0, where nothing moves "
+            "along x; displace the edge along y only",
             True,
         )
 

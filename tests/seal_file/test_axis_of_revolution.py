@@ -207,3 +207,12 @@ def test_the_axis_is_no_support_whose_force_is_a_measure(tmp_path):
         sm.SealFileError, match="contains 'inside', which is neither fixed nor moved"
     ):
         read(tmp_path, text.replace("{edge}", "inside"))
+
+
+def test_an_edge_that_its_position_moves_away_from_the_axis_is_no_result(tmp_path):
+    text = pulled(0.0, "top", (0.0, -0.1)) + '[[measure]]\ntype = "strain_energy"\n'
+    seal = sm.build_seal(read(tmp_path, text)).placed(("top_x",))
+    assert sm.analyze(seal, parameters={"top_y": -0.05}).trustworthy
+    result = sm.analyze(seal, parameters={"top_x": 0.1})
+    assert result.converged
+    assert any("0.1 mm away from the axis of revolution" in own for own in result.faults)
