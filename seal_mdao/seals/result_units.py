@@ -65,13 +65,13 @@ class ResultUnits(NamedTuple):
 PLANE = ResultUnits("N/m", "mJ/m", 0.1)
 
 
-def result_units(body) -> ResultUnits:
-    """Return the units of the results of a ``Body``."""
+def result_units(body, particles: np.ndarray) -> ResultUnits:
+    """Return the units of the results of a ``Body`` with these undeformed particles (n, 2)."""
     if not body.axisymmetric:
         return PLANE
     # centroid of all cells by the sides of their polygons, with c = r_i y_(i+1) - r_(i+1) y_i:
     # R = int r dA / int dA = sum (r_i + r_(i+1)) c / (3 sum c),  circumference 2 pi R
-    r, y = np.moveaxis(body.nominal[body.cells], 2, 0)
+    r, y = np.moveaxis(particles[body.cells], 2, 0)
     after = np.roll(r, -1, axis=1)
     cross = r * np.roll(y, -1, axis=1) - after * y
     radius = ((r + after) * cross).sum() / (3.0 * cross.sum())

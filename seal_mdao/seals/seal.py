@@ -173,7 +173,7 @@ class Seal:
     @cached_property
     def units(self) -> ResultUnits:
         """Units of forces and energies: per metre, or of the complete ring."""
-        return result_units(self.body)
+        return result_units(self.body, self.nominal_particles)
 
     # ---- scalar parameters ----
 

@@ -14,6 +14,7 @@ from seal_mdao.cli.subcommands import main
 from seal_mdao.materials.hyperfoam import Hyperfoam
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.seals.file.build import unchosen_seal
+from seal_mdao.seals.file.export import write_design
 from seal_mdao.seals.result_units import PLANE
 
 DESIGN = '[[design]]\nedges = ["side"]\nparameters = 5\nbound = 0.3\n'
@@ -331,3 +332,16 @@ def test_the_mean_radius_does_not_depend_on_the_particles(tmp_path):
     # chords of the circle leave out a part of order h^2
     assert seal.units.radius == pytest.approx(14.26, rel=1e-4)
     assert abs(seal.nominal_particles[:, 0].mean() - 14.26) > 0.2
+
+
+def test_the_mean_radius_of_a_written_design_is_its_own(tmp_path):
+    """By Pappus: volume over 2 pi times area of the section; not that of the seal it was made from."""
+    text = ring() + '[[measure]]\ntype = "volume"\n[[measure]]\ntype = "section_area"\n' + DESIGN
+    file = read(tmp_path, text)
+    seal = sm.build_seal(file)
+    path = write_design(file, seal, np.full(5, 0.3), seal.measures(), tmp_path, "design")[0]
+    written = sm.build_seal(path)
+    result = sm.analyze(written)
+    expected = result.value("volume")[0] / (2.0 * np.pi * result.value("section_area")[0])
+    assert written.units.radius == pytest.approx(expected, rel=1e-10)
+    assert written.units.radius > seal.units.radius + 0.05
