@@ -14,6 +14,8 @@ STIFFER = 1.25
 """Ratio of moduli of two materials above which stress is singular at the ends of their interface. Of two
 incompressible materials with square ends and this ratio it grows by less than 0.5 % per halving of the
 spacing."""
+STRAIGHT = 1e-9
+"""Sine of the angle up to which a side is parallel to a plane."""
 FIXED_END = "the end of a fixed edge"
 REENTRANT_CORNER = "a re-entrant corner"
 INTERFACE_END = "the end of an interface between materials"
@@ -47,9 +49,14 @@ def singular_points(body, particles: np.ndarray, elastic) -> list[SingularPoint]
         one, other = particles[point] - particles[last], particles[after] - particles[point]
         # turn of the boundary, negative towards the body, which lies on the left
         turn = np.arctan2(one[0] * other[1] - one[1] * other[0], one @ other)
+        planes = [_in_plane(body, particles, *side) for side in ((last, point), (point, after))]
+        if sum(planes) == 1:
+            # the boundary continues with its mirror image: the angle pi - turn of the body is doubled
+            turn = 2.0 * turn - np.pi
         lines, kind = directions.pop(point, []), ""
-        # the fixed edge ends here
-        if fixed[point] and not (fixed[last] and fixed[after]):
+        # the fixed edge ends here, and does not continue with its mirror image
+        held = [fixed[last] or planes[0], fixed[after] or planes[1]]
+        if fixed[point] and not all(held):
             kind = FIXED_END
         elif turn < -REENTRANT and not fixed[point]:
             kind = REENTRANT_CORNER
@@ -65,6 +72,14 @@ def singular_points(body, particles: np.ndarray, elastic) -> list[SingularPoint]
             size = max(np.linalg.norm(line) for line in lines)
             found.append(SingularPoint(particles[point], float(size), INTERFACE_CORNER))
     return found
+
+
+def _in_plane(body, particles: np.ndarray, first: int, last: int) -> bool:
+    """Whether a side of the boundary lies in a plane of symmetry or on the axis of revolution: its
+    particles cannot move across it, but along it."""
+    across = body.fixed[first] & body.fixed[last]
+    side = np.abs(particles[last] - particles[first])
+    return bool(across.sum() == 1 and side[across].item() <= STRAIGHT * side.sum())
 
 
 def _interface_directions(body, particles, elastic, inner) -> dict[int, list[np.ndarray]]:

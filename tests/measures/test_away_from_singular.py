@@ -67,6 +67,67 @@ def test_singular_points_of_a_fixed_corner():
     ]  # fmt: skip
 
 
+def half_block(top: float, base):
+    """The right half of a block of 4 mm by 2 mm with a plane of symmetry at x = 0, whose particle on the
+    top is at the height ``top``, and a base of which the components ``base`` are fixed."""
+    numbers = np.arange(9).reshape(3, 3)
+    x = np.column_stack([np.tile(np.arange(3.0), 3), np.repeat(np.arange(3.0), 3)])
+    x[3, 1], x[6, 1] = 0.5 * top, top
+    corners = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
+    fixed = np.zeros((9, 2), bool)
+    fixed[::3, 0] = True
+    fixed[np.ix_(range(3), base)] = True
+    cells = np.column_stack([own.ravel() for own in corners])
+    return Body(cells, np.full(9, 2.0), fixed, {}), x
+
+
+@pytest.mark.parametrize(
+    ("top", "base", "points"),
+    [
+        (2.0, [1], []),
+        (2.0, [0, 1], [(FIXED_END, 2.0, 0.0)]),
+        (0.8, [1], [(REENTRANT_CORNER, 0.0, 0.8)]),
+        (1.8, [1], []),
+    ],
+)
+def test_singular_points_of_a_half_are_those_of_the_whole(top, base, points):
+    """A fixed edge does not end in a plane of symmetry, where its mirror image continues it, and a notch
+    may have its corner there."""
+    found = singular_points(*half_block(top, base), elastic_body(sm.NeoHookean(100.0, 1e4)))
+    assert [(own.kind, *own.place) for own in found] == points
+
+
+DISC = """\
+[model]
+kinematics = "axisymmetric"
+[material.rubber]
+law = "neo_hookean"
+c10 = 400.0
+bulk_modulus = 8e4
+[section]
+spacing = 0.4
+outer = [
+  { edge = "base", line = [[0.0, 0.0], [3.0, 0.0]] },
+  { edge = "side", line = [[3.0, 0.0], [3.0, 2.0]] },
+  { edge = "top", line = [[3.0, 2.0], [0.0, 2.0]] },
+  { edge = "axis", line = [[0.0, 2.0], [0.0, 0.0]] },
+]
+[fixed]
+edges = ["base"]
+[[moved]]
+edges = ["top"]
+stage = [{ translate = [0.0, -0.1], steps = 1 }]
+"""
+
+
+def test_the_stress_of_a_bonded_disc_is_finite_on_its_axis(tmp_path):
+    path = tmp_path / "disc.toml"
+    path.write_text(DISC)
+    seal = sm.build_seal(path)
+    found = singular_points(seal.body, seal.nominal_particles, seal.definitions[0])
+    assert sorted(tuple(own.place) for own in found) == [(3.0, 0.0), (3.0, 2.0)]
+
+
 @pytest.mark.parametrize("excess", [0.05, 0.01])
 @pytest.mark.parametrize("count", [10, 500, 20000])
 def test_the_order_of_the_norm_is_the_smallest_within_the_excess(count, excess):
