@@ -10,6 +10,7 @@ import numpy as np
 from seal_mdao.equilibrium.couplings import Link
 from seal_mdao.equilibrium.tangent_layout import TangentLayout, equation_numbers, tangent_layout
 from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.averages import EdgeAverages, averaged_table
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
@@ -20,6 +21,9 @@ from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
 from seal_mdao.rkpm.visibility import particles_in_parts, parts_of_sides
 from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
+
+ROUNDING = 1e-9
+"""Radius that is zero, over the size of the section."""
 
 
 class Edge(NamedTuple):
@@ -362,7 +366,7 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     ValueError
         Coordinates of a wrong shape, or not finite.
     GeometryError
-        A folded cell, or a point that too few supports cover.
+        A folded cell, a particle beyond the axis of revolution, or a point that too few supports cover.
     """
     particles = np.asarray(particles, float)
     if particles.shape != (body.n_particles, 2):
@@ -373,6 +377,8 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
     if not np.isfinite(particles).all():
         where = int(np.argwhere(~np.isfinite(particles))[0, 0])
         raise ValueError(f"the particle with the index {where} has a coordinate that is not finite")
+    if body.axisymmetric:
+        _check_radii(body, particles)
     # u = Phi T d with T of the constrained particles, then Phi, grad Phi and w at all points
     cloud, transformation, rows = _essential(body, particles)
     cells = body.cell_table(cloud, transformation)
@@ -394,6 +400,22 @@ def discretize(body: Body, particles: np.ndarray, terms=()) -> Discretization:
         body, cloud, transformation, rows, cells, tables, couples, layout,
         tuple(accumulate((term.n_columns for term in terms), initial=0)),
     )  # fmt: skip
+
+
+def _check_radii(body: Body, particles: np.ndarray) -> None:
+    """Refuse particles of a body of revolution beyond the axis, or on it without being held there."""
+    radii = particles[:, 0]
+    # R > 0, or R = 0 with u_r = 0; up to rounding
+    inside = radii > ROUNDING * np.ptp(particles, axis=0).max()
+    inside |= (radii == 0.0) & body.fixed[:, 0]
+    if not inside.all():
+        number = int(np.where(inside, np.inf, radii).argmin())
+        x, y = particles[number]
+        raise GeometryError(
+            "the section reaches the axis of revolution x = 0 or lies beyond it: a particle that is "
+            f"not on the axis of the nominal section is at ({x:.4g}, {y:.4g}); use smaller boundary "
+            "offsets"
+        )
 
 
 def _table_of(points, cloud, transformation) -> PointTable | None:

@@ -1,10 +1,12 @@
 """Sections of bodies of revolution that touch the axis, or lie beyond it."""
 
+import numpy as np
 import pytest
 from exact_gradients import require_exact
 from ring_files import HEAD, PLANE, under_a_lid
 
 import seal_mdao as sm
+from seal_mdao.errors import GeometryError
 
 FILE = (
     HEAD.replace("{bulk}", "80000.0").replace("{spacing}", "0.5")
@@ -216,3 +218,34 @@ def test_an_edge_that_its_position_moves_away_from_the_axis_is_no_result(tmp_pat
     result = sm.analyze(seal, parameters={"top_x": 0.1})
     assert result.converged
     assert any("0.1 mm away from the axis of revolution" in own for own in result.faults)
+
+
+BORE = """\
+[[design]]
+edges = ["inside"]
+parameters = 4
+bound = 0.6
+[[measure]]
+type = "volume"
+"""
+
+
+def test_a_design_beyond_the_axis_is_refused(tmp_path):
+    """The bore moves by up to 2/3 of the offsets towards the axis, 0.2 mm away."""
+    seal = sm.build_seal(read(tmp_path, pulled(0.2, "top", (0.0, -0.1)) + BORE))
+    offsets = np.array([0.0, 1.0, 1.0, 0.0])
+    assert sm.analyze(seal, 0.2 * offsets).converged
+    with pytest.raises(
+        GeometryError, match="reaches the axis of revolution x = 0 or lies beyond it"
+    ):
+        sm.analyze(seal, 0.28 * offsets)
+
+
+def test_a_design_that_touches_the_axis_in_a_point_is_refused(tmp_path):
+    vertex = BORE.replace(
+        'edges = ["inside"]\nparameters = 4', 'vertex = [0.2, 2.0]\ndirections = ["x"]'
+    )
+    seal = sm.build_seal(read(tmp_path, pulled(0.2, "side", (0.0, 0.0)) + vertex))
+    assert sm.analyze(seal, [-0.19]).converged
+    with pytest.raises(GeometryError, match="reaches the axis of revolution"):
+        sm.analyze(seal, [-0.2])
