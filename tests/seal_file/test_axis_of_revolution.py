@@ -249,3 +249,30 @@ def test_a_design_that_touches_the_axis_in_a_point_is_refused(tmp_path):
     assert sm.analyze(seal, [-0.19]).converged
     with pytest.raises(GeometryError, match="reaches the axis of revolution"):
         sm.analyze(seal, [-0.2])
+
+
+@pytest.mark.parametrize("rounding", [1e-8, -5e-7])
+def test_nodes_of_a_mesh_that_rounding_leaves_beside_the_axis(tmp_path, rounding):
+    """The hoop stretch on the axis is the limit there, also where a mesh file has few digits."""
+    meshio = pytest.importorskip("meshio")
+    text = pulled(0.0, "top", (0.0, -0.1)) + '[[measure]]\ntype = "von_mises"\n'
+    seal = sm.build_seal(read(tmp_path, text))
+    stress = {}
+    for radius in (0.0, rounding):
+        nodes = seal.nominal_particles.copy()
+        nodes[nodes[:, 0] == 0.0, 0] = radius
+        cells = [list(dict.fromkeys(own)) for own in seal.body.cells.tolist()]
+        blocks = [("triangle", [own for own in cells if len(own) == 3])]
+        blocks += [("quad", [own for own in cells if len(own) == 4])]
+        mesh = meshio.Mesh(np.pad(nodes, ((0, 0), (0, 1))), [own for own in blocks if own[1]])
+        mesh.write(tmp_path / "nodes.vtu")
+        other = text.replace("spacing = 0.5", 'cloud = "nodes.vtu"')
+        stress[radius] = sm.analyze(sm.build_seal(read(tmp_path, other))).value("von_mises")[0]
+    assert stress[rounding] == pytest.approx(stress[0.0], rel=1e-12)
+
+
+def test_an_edge_that_rounding_leaves_beside_the_axis_lies_on_it(tmp_path):
+    file = read(tmp_path, pulled(5e-7, "top", (0.0, -0.1)))
+    assert file.supports["inside"] == (0,)
+    result = sm.analyze(sm.build_seal(file))
+    assert (result.particles[result.seal.body.edge("inside").particles, 0] == 0.0).all()

@@ -13,6 +13,7 @@ from seal_mdao.seals.file.forms import Form, many, number, one_of
 from seal_mdao.seals.file.prescribed_edges import held
 from seal_mdao.seals.file.schema import Table, key, table
 from seal_mdao.seals.outline.contours import Outline
+from seal_mdao.seals.outline.sampling import MATCH
 
 PLANE_STRAIN, AXISYMMETRIC = "plane_strain", "axisymmetric"
 GENERALISED = "generalised_plane_strain"
@@ -94,7 +95,7 @@ def _radii(outline: Outline, name: str) -> np.ndarray:
 
 def _on(outline: Outline) -> float:
     """Distance from the axis that counts as zero, mm."""
-    return ROUNDING * outline.size
+    return max(ROUNDING * outline.size, MATCH)
 
 
 def check_axisymmetric(file) -> None:

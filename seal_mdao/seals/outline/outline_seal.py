@@ -24,6 +24,7 @@ from seal_mdao.seals.outline.design import (
 )
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
 from seal_mdao.seals.outline.rays import Rays, ray_cloud, through_wall
+from seal_mdao.seals.outline.sampling import MATCH
 from seal_mdao.seals.outline.section_body import SectionBody
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud, cloud
 from seal_mdao.seals.outline.sizes import unusual_size, unusual_stages
@@ -248,10 +249,11 @@ def outline_seal(
 
 
 def _on_axis(filled: OutlineCloud) -> OutlineCloud:
-    """Set the radii of particles at the axis, which rounding leaves beside it, to zero."""
+    """Set the radii of particles at the axis, which rounding, such as that of a mesh file, leaves beside
+    it, to zero."""
     particles = filled.particles.copy()
     radii = particles[:, 0]
-    radii[np.abs(radii) <= ON_AXIS * np.ptp(particles, axis=0).max()] = 0.0
+    radii[np.abs(radii) <= max(ON_AXIS * np.ptp(particles, axis=0).max(), MATCH)] = 0.0
     return replace(filled, particles=particles)
 
 
