@@ -68,6 +68,13 @@ class Jobs:
     def _analyze(self, design: list, step: int | None) -> None:
         self._send("exact", self._bench.analyze(design, step))
         self._send_rates(step)
+        self._send_checks()
+
+    def _send_checks(self) -> None:
+        # they need derivatives, too, but the preview does not wait for them
+        self._watch()
+        if self._bench.result.converged:
+            self._send("checks", self._bench.checks())
 
     def _send_rates(self, step: int | None) -> None:
         found = self._bench.first_order(step)
@@ -81,6 +88,7 @@ class Jobs:
     def _improve(self, design: list) -> None:
         improve(self._bench, design, lambda state: self._send("iteration", state))
         self._send_rates(None)
+        self._send_checks()
 
     def _save(self, design: list, folder: str, name: str) -> None:
         paths = save_design(self._bench, design, folder, name)

@@ -226,7 +226,9 @@ class Session:
 
     def _share(self, message) -> None:
         exact = self.last.get("exact")
-        if exact is None or exact["design"] != self.design:
+        # its warnings come after the state
+        checked = exact is not None and (not exact["converged"] or "trustworthy" in exact)
+        if not checked or exact["design"] != self.design:
             raise RequestError(
                 "the exact analysis of this design has not finished; share the design afterwards"
             )
@@ -371,6 +373,13 @@ class Session:
     def _on_rates(self, content: dict) -> None:
         self._store("rates", content)
 
+    def _on_checks(self, content: dict) -> None:
+        if self._again:
+            # the design has been changed since: its own come
+            return
+        self.last["exact"] = self.last["exact"] | content
+        self._broadcast("checks", content)
+
     def _on_view(self, content: dict) -> None:
         if "exact" not in self.last:
             # the first analysis failed: there is no state to show
@@ -401,7 +410,9 @@ class Session:
     def _on_done(self, content: dict) -> None:
         if content["job"] == "improve":
             self._remember()
-        if content["job"] in ("analyze", "improve", "view"):
+        # a view repeats no analysis: the notes of that stay
+        noted = content["job"] == "view" and content["notes"]
+        if content["job"] in ("analyze", "improve") or noted:
             self._broadcast("notes", content["notes"])
         self._finish()
 

@@ -227,6 +227,10 @@ class Workbench:
             found["scatter"] = pictures.scatter(self.result, self.rates, tolerances, names)
         return found
 
+    def checks(self) -> dict:
+        """Return the warnings of the last result, and whether it can be used."""
+        return {"warnings": list(self.result.warnings), "trustworthy": self.result.trustworthy}
+
     def errors(self) -> dict:
         """Estimate the errors of all measures at the section of the file: half-widths of error bars by
         name, in their units; those that are not known are left out."""

@@ -8,10 +8,11 @@ import time
 
 import pytest
 from headless_browser import browser as browser
-from studio.small_seal import write
+from studio.small_seal import TEXT, write
 
 READY = (
-    "return Boolean(studio.rates && studio.exact.design.every((v, i) => v === studio.design[i]))"
+    "return Boolean(studio.rates && studio.exact.trustworthy !== undefined"
+    " && studio.exact.design.every((v, i) => v === studio.design[i]))"
 )
 PATIENCE = 90.0
 """Seconds until a page is given up: kernels may have to be compiled."""
@@ -41,6 +42,15 @@ def server(tmp_path_factory):
     folder = tmp_path_factory.mktemp("project")
     write(folder)
     found = Server(folder, "bulb.toml")
+    yield found
+    found.end()
+
+
+@pytest.fixture
+def folded(tmp_path):
+    """The coarse bulb, pressed so far that its walls cross."""
+    write(tmp_path, text=TEXT.replace("-1.7", "-5.0").replace("steps = 6", "steps = 12"))
+    found = Server(tmp_path, "bulb.toml")
     yield found
     found.end()
 

@@ -235,6 +235,29 @@ def test_shared_page_needs_no_server(page, server):
     assert not page.browser.find_element("id", "save").is_displayed()
 
 
+def test_warnings_of_an_analysis_and_a_result_that_cannot_be_used_are_shown(browser, folded):
+    page = Page(browser, folded.address)
+    page.ready()
+    shown = "return document.getElementById('warnings').innerText"
+    result = sm.analyze(sm.build_seal(folded.folder / "bulb.toml"))
+    assert not result.trustworthy
+    text = page.run(shown)
+    assert "the boundary crosses itself" in text
+    assert all(" ".join(own.split()) in " ".join(text.split()) for own in result.warnings)
+    page.wait(f"{STATE} === 'state failed'")
+    assert "not trustworthy" in page.run("return document.getElementById('state-text').textContent")
+    # they are of the design, whatever load step is shown
+    page.run("send({do: 'view', step: 3})")
+    page.wait("return studio.exact.frame.step === 3")
+    page.ready()
+    assert page.run(shown) == text
+    (name,) = page.saved("share")
+    page.browser.get((folded.folder / name).as_uri())
+    page.wait("return studio.drawn > 0")
+    assert page.run(shown) == text
+    assert page.run(STATE) == "state failed"
+
+
 @pytest.mark.parametrize("width", [420, 900, 1400])
 def test_no_page_scrolls_sideways(page, width):
     size = page.browser.get_window_size()

@@ -287,11 +287,11 @@ function showState(exactly) {
   let [kind, text] = ["preview", "first-order preview, analysing …"];
   if (!state.rates && !exactly) text = "analysing …";
   if (exactly && exact) [kind, text] = ["exact", "exact analysis"];
+  if (exactly && exact && exact.trustworthy === false) [kind, text] = ["failed", "not trustworthy, see the warnings"];
   if (exactly && exact && !exact.converged) [kind, text] = ["failed", "analysis not completed"];
   if (status && status.job === "errors") text = status.progress || "estimating numerical errors";
   if (status && status.job === "improve") text = `optimising, analysis ${exact && exact.number ? exact.number : 0}`;
   if (!exactly && status && status.failure) [kind, text] = ["failed", "not analysed"];
-  if (state.shared) [kind, text] = ["exact", "exact analysis"];
   if (state.closed) [kind, text] = ["failed", "the server is closed"];
   row.className = `state ${kind}`;
   place("state-text").textContent = text;
@@ -555,6 +555,12 @@ const receive = {
     unpackRates(rates);
     state.rates = rates;
     state.scatter = rates.scatter;
+    schedule();
+  },
+  checks(checks) {
+    if (!state.exact) return;
+    Object.assign(state.exact, checks);
+    showWarnings(checks.warnings);
     schedule();
   },
   view(frame) {
