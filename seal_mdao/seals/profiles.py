@@ -376,7 +376,8 @@ def caption(result, step: int) -> str:
     the seal has times."""
     motion, time = leading_motion(result.seal), times_at(result.seal, [step + 1.0])
     pressures = fluid_pressures(result.seal, [step + 1.0]).items()
-    after = [f"{label} {p:.3g} kPa" for label, (p,) in pressures if p > 0.0]
+    # three digits, without an exponent
+    after = [f"{label} {float(f'{p:.3g}'):g} kPa" for label, (p,) in pressures if p > 0.0]
     after += [] if time is None else [f"after {duration(time[0])}"]
     if motion is None:
         return ", ".join([f"step {step + 1} of {result.seal.n_steps}", *after])

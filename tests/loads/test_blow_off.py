@@ -1,6 +1,7 @@
 """The pressure at which a fluid comes through: when it falls, its derivatives, seals that hold."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from seal_mdao.analysis.path_result import Status
 from seal_mdao.errors import LoadPathError
 from seal_mdao.measures.fluid import BlowOffPressure
 from seal_mdao.measures.reaction import Reaction
+from seal_mdao.seals.profiles import caption
 
 PRESSURE = 1950.0
 """At 2000 kPa a point is so close to the change from stick to slip that quotients go across it."""
@@ -41,6 +43,11 @@ def test_it_is_where_the_fluid_comes_through(blown):
     assert 0.0 < last < PRESSURE
     assert last < blown.value(BLOW_OFF)[0] < last + PRESSURE / 20
     assert not BLOW_OFF.missing(blown)
+
+
+def test_high_pressures_are_written_without_an_exponent():
+    seal = gasket(12000.0)
+    assert caption(SimpleNamespace(seal=seal), seal.n_steps - 1).endswith(", fluid 12000 kPa")
 
 
 def test_it_falls_when_the_squeeze_falls():

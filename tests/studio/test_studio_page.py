@@ -8,7 +8,9 @@ import time
 import numpy as np
 import psutil
 import pytest
-from studio.conftest import Page
+from relaxing_files import relaxing_block
+from studio.conftest import Page, Server
+from studio.small_seal import write
 
 import seal_mdao as sm
 
@@ -256,6 +258,30 @@ def test_warnings_of_an_analysis_and_a_result_that_cannot_be_used_are_shown(brow
     page.wait("return studio.drawn > 0")
     assert page.run(shown) == text
     assert page.run(STATE) == "state failed"
+
+
+def test_values_at_several_stages_and_long_durations_are_shown(browser, tmp_path, request):
+    text = relaxing_block().replace("duration = 20.0", "duration = 3.156e8")
+    stages = '[[measure]]\ntype = "reaction"\nname = "both"\nstage = [1, 2]\n'
+    write(tmp_path, text=text.replace("[[measure]]", stages + "[[measure]]", 1))
+    server = Server(tmp_path, "bulb.toml")
+    request.addfinalizer(server.end)
+    page = Page(browser, server.address)
+    page.ready()
+    values = page.run("return studio.exact.measures.both")
+    assert len(values) == 2
+    texts = page.run("return present().measures.both.map((value) => readable(value, 4))")
+    assert f"both {', '.join(texts)} N/m" in " ".join(
+        page.run("return document.getElementById('figures').innerText").split()
+    )
+    # the duration fits into its field
+    shown, wide, width = page.run(
+        "const p = studio.scene.numbers.findIndex((own) => own.name === 'duration_2');"
+        "const field = document.getElementById(`number-${p}`).previousElementSibling;"
+        "return [field.value, field.scrollWidth, field.clientWidth]"
+    )
+    assert float(shown) == 3.156e8
+    assert wide <= width
 
 
 @pytest.mark.parametrize("width", [420, 900, 1400])

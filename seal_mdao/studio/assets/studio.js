@@ -3,6 +3,7 @@
 const place = (id) => document.getElementById(id);
 const color = (i) => `var(--c${i % 8})`;
 const FULL = 32000;   // what ShapeView takes for the end of a stress scale
+const MOST_VALUES = 4;   // of a measure in the list of results
 const KEY_STEP = 0.02;   // mm that an arrow key moves a handle
 
 function floats(text) {
@@ -200,15 +201,15 @@ function drawFigures(now) {
   now.pressure.forEach((own) => rows.push([`peak pressure, ${own.name}`, `${readable(Math.max(0, ...own.values), 3)} kPa`]));
   const lights = new Set([...state.scene.limits.map((l) => l.measure)]);
   Object.entries(now.measures).forEach(([name, values]) => {
-    if (values.length === 1 && !lights.has(name)) rows.push([spoken(name), `${withError(name, values[0])} ${unitOf(name)}`]);
+    if (values.length <= MOST_VALUES && !lights.has(name)) rows.push([spoken(name), `${values.map((value, i) => withError(name, value, i)).join(", ")} ${unitOf(name)}`]);
   });
   let peak = 0;
   for (let k = 2; k < now.points.length; k += 3) peak = Math.max(peak, now.points[k]);
   rows.push(["largest stress shown", `${readable(peak, 3)} kPa`]);
   place("figures").replaceChildren(...rows.map(([name, value]) => {
     const row = document.createElement("li");
-    // with its error a value needs smaller letters to stay on one line
-    const kind = value.includes("±") ? ' class="with-error"' : "";
+    // with its error a value needs smaller letters to stay on one line; several values need more lines
+    const kind = value.includes(", ") ? ' class="with-error several"' : value.includes("±") ? ' class="with-error"' : "";
     row.innerHTML = `<span>${escaped(name)}</span><strong${kind}>${escaped(value)}</strong>`;
     return row;
   }));
@@ -458,11 +459,17 @@ function makeSliders() {
   place("sliders").replaceChildren(...parts);
 }
 
+// A number as it fits into its field.
+function typed(value) {
+  const rounded = Number(value.toPrecision(5)), text = String(rounded);
+  return text.length > 8 ? rounded.toExponential() : text;
+}
+
 function showNumbers() {
   rows.forEach(({ row, range, exactly }, p) => {
     const value = state.design[p];
     if (Number(range.value) !== value) range.value = value;
-    if (document.activeElement !== exactly) exactly.value = Number(value.toPrecision(5));
+    if (document.activeElement !== exactly) exactly.value = typed(value);
     row.classList.toggle("changed", value !== state.scene.numbers[p].value);
   });
 }
