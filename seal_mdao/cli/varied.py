@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from seal_mdao.cli.arguments import WrongArgumentError
-from seal_mdao.cli.seal_files import filled, seal_of
+from seal_mdao.cli.seal_files import file_errors, filled, seal_of
 from seal_mdao.cli.varied_travel import set_travel
 from seal_mdao.seals.file.accuracy import with_filling
 from seal_mdao.seals.file.file_tables import SealFile
@@ -74,6 +74,7 @@ class Varied:
         """
         files, seal = self.files(file, values), None
         if self.change is None:
+            self._check(file.path, values)
             _, seal = seal_of(file, unchosen=self.unchosen)
         elif file.leaves_particles_open:
             filling = seal_of(file)[0].section.filling
@@ -85,6 +86,18 @@ class Varied:
                 yield seal, {self.name: float(value)}
             else:
                 yield seal_of(own)[1], {}
+
+    def _check(self, path: Path, values) -> None:
+        """Refuse values that the parameter cannot have, before load steps are chosen.
+
+        Raises
+        ------
+        SealFileError
+        """
+        placed = self.unchosen.with_placements()
+        with file_errors(path):
+            for value in values:
+                placed.with_parameters({self.name: float(value)})
 
 
 def varied(file: SealFile, name: str) -> Varied:

@@ -70,7 +70,7 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
     if environment.time is not None:
         values.real(TIME, environment.time.value, above=0.0)
         for number, given in enumerate(environment.time.given, 1):
-            values.real(DURATION.format(number), given, above=0.0)
+            values.real(DURATION.format(number), float(given), above=0.0)
     for ramp, name, bounds in (
         (environment.axial_stretch, AXIAL_STRETCH, {"low": 0.5, "high": 2.0}),
         (environment.temperature, TEMPERATURE, {"above": ABSOLUTE_ZERO, "high": HOTTEST}),

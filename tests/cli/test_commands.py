@@ -329,6 +329,18 @@ def test_a_sweep_has_every_value_of_a_measure_and_units(bulb, tmp_path, capsys):
     assert "forces_2 = " in capsys.readouterr().out
 
 
+def test_a_sweep_refuses_wrong_values_before_load_steps_are_chosen(
+    bulb, tmp_path, capsys, monkeypatch
+):
+    def chosen(*arguments, **options):
+        raise AssertionError("load steps are chosen for a sweep that cannot be completed")
+
+    monkeypatch.setattr("seal_mdao.cli.varied.seal_of", chosen)
+    arguments = ["--vary", "c10", "80,-5", "--out", str(tmp_path / "out")]
+    assert main(["sweep", str(bulb), *arguments]) == 2
+    assert "c10 of MooneyRivlin must be a number of at least 0" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("vary", [("c10", "80,90"), ("section.spacing", "1.7,1.8")])
 def test_a_sweep_has_measures_whose_points_the_nominal_seal_determines(bulb, tmp_path, vary):
     path = bulb.with_name("pressures.toml")
