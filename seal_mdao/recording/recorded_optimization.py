@@ -135,7 +135,7 @@ class RecordedOptimization:
     failed : int
         Recorded evaluations that failed, or gave values that are not finite.
     analyses : ndarray, shape (n,)
-        Number of the evaluation of each point, from 1.
+        Number of the evaluation of each point, from 1; failed evaluations count.
     """
 
     objective_name: str
@@ -252,7 +252,7 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     runs = run_log.read_runs(database)
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
     seals = read_seals(model, cases, given)
-    numbers = {case.counter: number for number, case in enumerate(evaluated, start=1)}
+    numbers = {case.counter: number for number, case in enumerate(recorded, start=1)}
     # the first of several objectives
     objective_name, objective = next(iter(_stacked(model, cases, OBJECTIVE).items()))
     design = _stacked(model, cases, DESIGN)

@@ -55,6 +55,8 @@ class RestartRecorder(SqliteHooks):
         super().__init__(filepath, **options)
         self._append = append
         self._unpublished = self._driver = self._log_row = self._seals = self._lock = None
+        # whether the run has recorded a case; whether an earlier run is in the log
+        self._has_cases = self._has_logged = False
 
     def startup(self, recording_requester, comm=None):
         """Prepare for a new run."""
@@ -75,7 +77,11 @@ class RestartRecorder(SqliteHooks):
         self._once(super().record_metadata_system, system, run_number)
         # variables and tree have been recorded before: with these options the file is complete
         if not system.pathname and self.connection:
-            if not self._append:
+            if self._has_cases:
+                # another run begins, so the one before has ended
+                self.note_end()
+                self._log_row, self._has_cases, self._has_logged = None, False, True
+            elif not self._append and not self._has_logged:
                 self._log_begin()
             self._publish()
 
@@ -102,6 +108,7 @@ class RestartRecorder(SqliteHooks):
         if metadata["success"] and failure:
             metadata = metadata | {"success": 0, "msg": failure}
         self._log_begin()
+        self._has_cases = True
         super().record_iteration_driver(driver, data, metadata)
 
     def record_derivatives_driver(self, driver, data, metadata):
@@ -140,6 +147,9 @@ class RestartRecorder(SqliteHooks):
     def note_end(self) -> None:
         """Log how the run of the driver ended, before the file is closed."""
         driver = self._driver
+        if self._has_logged and not self._has_cases:
+            # no run since
+            return
         if driver is not None and driver.result.exit_status != run_log.BY_EXCEPTION:
             self._log_begin()
         if self.connection and self._log_row is not None:
@@ -148,7 +158,7 @@ class RestartRecorder(SqliteHooks):
     def shutdown(self):
         """Log how the run ended and close the file."""
         self.note_end()
-        self._log_row = None
+        self._log_row, self._has_cases, self._has_logged = None, False, False
         if self.connection:
             self._publish()
         super().shutdown()

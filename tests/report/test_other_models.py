@@ -210,6 +210,8 @@ def test_doe_is_no_optimisation(tmp_path):
     path, _ = ran(upstream, tmp_path, driver=driver)
     history = read_optimization(path)
     assert (history.kind, len(history.objective), history.failed) == ("doe", 2, 1)
+    # the points are the first and the third design
+    assert history.analyses.tolist() == [1, 3]
     text, _ = shapes(path)
     assert "<h1>Design of experiments with cost</h1>" in text
     assert "2 points with values, 1 failed." in text

@@ -136,6 +136,22 @@ def test_log_of_the_runs(make_driver):
     assert first.begun <= first.ended <= second.begun <= second.ended
 
 
+def test_every_run_of_one_problem_is_logged(make_driver):
+    """Until the file is closed the model may run without its driver, too."""
+    problem = record(valley_problem(make_driver(maxiter=2)))
+    ends = [problem.run_driver()]
+    analyses = [ends[0].model_evals]
+    problem.set_val("x", [0.2, 0.1, 0.4])
+    ends.append(problem.run_driver())
+    analyses.append(ends[1].model_evals)
+    problem.run_model()
+    problem.cleanup()
+    first, second = run_log.read("cases.sql")
+    assert [first.analyses, second.analyses] == analyses
+    assert first.begun <= first.ended <= second.begun <= second.ended
+    assert not first.cut_off
+
+
 def test_file_of_the_plain_recorder_has_no_log(make_driver):
     problem = valley_problem(make_driver())
     problem.driver.add_recorder(om.SqliteRecorder("./plain.sql"))
