@@ -16,7 +16,7 @@ from seal_mdao.studio.project import Project, ProjectError
 from seal_mdao.studio.workbench import Workbench
 
 MEASURES = (
-    "section_area", "reaction", "peak_pressure", "contact_width", "largest_von_mises",
+    "section_area", "reaction", "peak_pressure", "contact_width", "von_mises",
     "gap_square_sum", "wall_thickness", "strain_energy",
 )  # fmt: skip
 """Measures that the page offers; all are types that need no further key."""
@@ -45,9 +45,15 @@ def offered(bench: Workbench) -> dict:
         "limits": [
             {key: own.get(key) for key in ("measure", "lower", "upper")}
             for own in optimize.get("constraint", ())
-            if not isinstance(own.get("lower", own.get("upper")), list)
+            if not _is_listed(own)
         ],
+        "unseen": [own["measure"] for own in optimize.get("constraint", ()) if _is_listed(own)],
     }  # fmt: skip
+
+
+def _is_listed(limit: dict) -> bool:
+    """Whether a limit has a value for every value of its measure, which the form does not show."""
+    return any(isinstance(limit.get(side), list) for side in ("lower", "upper"))
 
 
 def write_problem(bench: Workbench, design: list, problem: dict, path: Path) -> None:
@@ -75,26 +81,34 @@ def write_problem(bench: Workbench, design: list, problem: dict, path: Path) -> 
     write_interferences(tables, bench.placed(design), bench.file.section.outline)
     if problem["fixed"]:
         tables["fixed"] = tables.get("fixed", {}) | {"edges": problem["fixed"]}
+    else:
+        tables.pop("fixed", None)
     if problem["pressed"] and tables.get("profile"):
         tables["profile"][0]["contact"] = problem["pressed"]
-    # designs of vertices and arcs stay
-    designs = [own for own in tables.pop("design", []) if "edges" not in own]
-    if problem["moving"]:
-        designs.append({
-            "edges": problem["moving"], "parameters": problem["parameters"],
-            "bound": problem["bound"],
-        })  # fmt: skip
-    if designs:
-        tables["design"] = designs
-    tables.pop("optimize", None)
+    shown = offered(bench)
+    # edges that move as before keep their symmetry, their own bounds and so on
+    now = [sorted(problem["moving"]), problem["parameters"], problem["bound"]]
+    if now != [shown["moving"], shown["parameters"], shown["bound"]]:
+        # designs of vertices and arcs stay
+        designs = [own for own in tables.pop("design", []) if "edges" not in own]
+        if problem["moving"]:
+            designs.append({
+                "edges": problem["moving"], "parameters": problem["parameters"],
+                "bound": problem["bound"],
+            })  # fmt: skip
+        if designs:
+            tables["design"] = designs
+    # limits that the form does not show stay
+    before = tables.pop("optimize", {}).get("constraint", ())
+    unseen = [own for own in before if _is_listed(own)]
     if problem["minimize"]:
         limits = [
             {key: value for key, value in own.items() if value is not None}
             for own in problem["limits"]
         ]
         tables["optimize"] = {"minimize": problem["minimize"]}
-        if limits:
-            tables["optimize"]["constraint"] = limits
+        if limits or unseen:
+            tables["optimize"]["constraint"] = [*limits, *unseen]
     text = on_lines(import_module("tomli_w").dumps(tables))
     path.write_text(f"# {bench.path.name} with another problem.\n{text}", encoding="utf-8")
     try:

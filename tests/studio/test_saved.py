@@ -7,7 +7,7 @@ import pytest
 from studio.small_seal import TEXT, nothing, write
 
 import seal_mdao as sm
-from seal_mdao.studio.problem_form import write_problem
+from seal_mdao.studio.problem_form import offered, write_problem
 from seal_mdao.studio.saved import save_design
 from seal_mdao.studio.workbench import Workbench
 
@@ -128,6 +128,46 @@ def test_a_problem_with_a_profile_moved_into_the_section_is_a_seal_file(bench, t
     write_problem(bench, changed(bench, plate_y=9.9), problem, path)
     (profile,) = sm.read_seal_file(path).profiles
     assert (profile.start, profile.interference) == ((0.0, 9.9), pytest.approx(0.1, rel=0.02))
+
+
+def test_a_problem_keeps_what_the_form_does_not_show(tmp_path):
+    text = TEXT.replace("bound = 0.4", 'bound = 0.4\nmirror = "x = 0"').replace(
+        "[[measure]]",
+        '[[measure]]\ntype = "reaction"\nname = "forces"\ntravel = [1.0, 1.6]\n[[measure]]', 1,
+    )  # fmt: skip
+    limit = '{ measure = "forces", lower = [100.0, 250.0] }'
+    text = text.replace("lower = 300.0 }", f"lower = 300.0 }}, {limit}")
+    bench = Workbench(write(tmp_path, text=text), nothing, nothing)
+    shown = offered(bench)
+    assert shown["unseen"] == ["forces"]
+    assert "von_mises" in shown["measures"]
+    problem = {
+        key: shown[key] for key in ("fixed", "pressed", "moving", "parameters", "bound", "minimize")
+    } | {"limits": [{"measure": "reaction", "lower": 310.0, "upper": None}]}  # fmt: skip
+    path = tmp_path / "other.toml"
+    write_problem(bench, bench.start(), problem, path)
+    before, after = tomllib.loads(text), tomllib.loads(path.read_text())
+    assert after["design"] == before["design"]
+    assert after["optimize"]["constraint"] == [
+        {"measure": "reaction", "lower": 310.0}, {"measure": "forces", "lower": [100.0, 250.0]},
+    ]  # fmt: skip
+    # other bounds are those of the form alone
+    write_problem(bench, bench.start(), problem | {"bound": 0.3}, path)
+    assert tomllib.loads(path.read_text())["design"] == [
+        {"edges": ["inside"], "parameters": 4, "bound": 0.3}
+    ]
+
+
+def test_a_problem_without_fixed_edges_has_none(bench, tmp_path):
+    path = tmp_path / "other.toml"
+    problem = {
+        "fixed": [], "pressed": ["bulb"], "moving": ["inside"], "parameters": 4, "bound": 0.4,
+        "minimize": None, "limits": [],
+    }  # fmt: skip
+    # the foot was the only support
+    with pytest.raises(sm.SealFileError, match=r"\[fixed\] is missing, so profiles must"):
+        write_problem(bench, bench.start(), problem, path)
+    assert not path.exists()
 
 
 FLUID = """\

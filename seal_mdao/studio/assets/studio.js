@@ -657,6 +657,7 @@ function showProblem() {
     <div class="row">Every edge that may move has <input type="number" id="parameters" min="1" max="40" value="${offered.parameters}" aria-label="parameters of an edge"> design parameters and moves by at most <input type="number" id="bound" step="any" min="0" value="${offered.bound}" aria-label="largest offset, mm"> mm.</div>
     <div class="row">Minimise <select id="aim" aria-label="minimise">${options(offered.minimize, "nothing")}</select></div>
     <div id="limits">${offered.limits.map(limit).join("")}</div>
+    ${offered.unseen.length ? `<p class="note">The limits of ${escaped(offered.unseen.map(spoken).join(", "))} at several values stay as they are in the seal file.</p>` : ""}
     <div class="row"><button type="button" id="add-limit">Add a limit</button> <button type="submit">Write the seal file and open it</button></div></form></div>`;
   box.querySelector("#limits").addEventListener("click", (event) => { if (event.target.className === "remove") event.target.parentElement.remove(); });
   box.querySelector("#add-limit").addEventListener("click", () => box.querySelector("#limits").insertAdjacentHTML("beforeend", limit({ measure: "reaction" })));
