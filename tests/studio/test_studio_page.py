@@ -158,8 +158,15 @@ def test_improve_is_drawn_and_taken_back(page):
     page.ready()
     page.wait("return document.getElementById('lights').innerText.includes('satisfied')")
     assert page.design() != before
+    # how it ended, until the next analysis
+    ended = page.run("return studio.exact.message")
+    box = "document.getElementById('message')"
+    assert ended in page.run(f"return {box}.innerText")
+    assert page.run(f"return {box}.innerText").startswith("Optimisation ")
     page.click("undo")
     page.wait(f"return studio.design[0] === {before[0]}")
+    page.ready()
+    assert page.run(f"return {box}.hidden")
 
 
 def test_error_bars_are_those_of_the_file(page):

@@ -551,6 +551,8 @@ const receive = {
     Object.assign(state, { exact, rates: null });
     unpackFrame(exact.frame);
     hide();
+    // how an optimisation ended comes with its last state
+    if (exact.message && !state.shared) show(`Optimisation ${exact.success ? "converged" : "not converged"}: ${exact.message}`, exact.success ? "ended" : "");
     if (!exact.converged) show(`The analysis of this design was not completed: ${exact.failure}`);
     showWarnings(exact.warnings);
     showPath();
@@ -618,7 +620,8 @@ function show(text, kind = "", names = []) {
   }
 }
 
-function hide() { if (!place("message").dataset.kind) place("message").hidden = true; }
+// Hide what is about the last analysis or optimisation.
+function hide() { if (["", "ended"].includes(place("message").dataset.kind || "")) place("message").hidden = true; }
 
 function showWarnings(texts) {
   const box = place("warnings");
