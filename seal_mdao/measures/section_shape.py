@@ -109,12 +109,13 @@ class Mass(Measure):
     text = "Mass of the seal."
 
     def check(self, seal):
-        for name, region in zip(seal.materials, seal.definitions[0].regions, strict=True):
+        for region in seal.definitions[0].regions:
             if region.density is None:
+                # the only material of a seal has no name here
+                what = f"the material {region.name!r}" if region.name else "the material"
                 where = f"[material.{region.name}]" if region.name else "its table [material.NAME]"
                 raise ValueError(
-                    f"the material {name!r} has no density; add density = 1200 (kg/m3), or its own "
-                    f"value, to {where}"
+                    f"{what} has no density; add density = 1200 (kg/m3), or its own value, to {where}"
                 )
 
     def evaluate(self, result, partials):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from quotients import quotients
+from studio.small_seal import TEXT
 from two_rubbers import pressed_block
 
 import seal_mdao as sm
@@ -72,6 +73,23 @@ def test_the_key_of_the_objective_is_named_where_it_lacks_a_density(tmp_path):
     words = r"block.toml: \[optimize\]: minimize = 'mass': the material 'stiff' has no density"
     with pytest.raises(sm.SealFileError, match=words):
         built(tmp_path, "density = 1300.0\n", measured='[optimize]\nminimize = "mass"\n')
+
+
+def test_the_only_rubber_of_a_seal_is_not_given_another_name(tmp_path):
+    one = TEXT.replace('"contact_width"', '"mass"')
+    path = tmp_path / "bulb.toml"
+    path.write_text(one)
+    with pytest.raises(sm.SealFileError, match=r"the material has no density.*\[material\.NAME\]"):
+        sm.build_seal(path)
+
+
+def test_a_density_in_g_per_cm3_is_warned_about(tmp_path):
+    seal = built(tmp_path, "density = 1300.0", "density = 1.3")
+    assert any(
+        "the material 'stiff' has a density of 1.3 kg/m3" in text and "1 g/cm3 is 1000" in text
+        for text in seal.warnings
+    )
+    assert not any("density" in text for text in built(tmp_path).warnings)
 
 
 def test_a_density_is_positive(tmp_path):

@@ -9,6 +9,8 @@ SHEAR = (5.0, 2e4)
 less, rubber of 95 Shore A about 15,000."""
 MOST_BULK = 1e7
 """Bulk modulus, kPa; dense rubber has 1e6 to 3e6."""
+DENSITY = (20.0, 2e4)
+"""kg/m3: light foam has about 50, dense rubber 900 to 2000, inserts of metal 2700 to 19,000."""
 EXPANSION = (5e-5, 5e-4)
 """Linear coefficients of expansion, 1/K: filled rubber has about 1e-4, silicone up to 3.5e-4."""
 SWELLING = (0.8, 3.0)
@@ -52,6 +54,11 @@ def _of_region(region: Region, environment):
     """Describe the unusual values of one material."""
     what = f"the material {region.name!r}" if region.name else "the material"
     yield from unusual_moduli(what, region.material)
+    if region.density is not None and not _within(region.density, DENSITY):
+        yield (
+            f"{what} has a density of {region.density:.4g} kg/m3, outside of {DENSITY[0]:g} to "
+            f"{DENSITY[1]:g}, the range from light foam to metal; 1 g/cm3 is 1000 kg/m3"
+        )
     if environment is None:
         return
     alpha, swelling = region.growth.expansion, region.growth.swelling
