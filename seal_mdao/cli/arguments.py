@@ -254,6 +254,8 @@ def run(made: argparse.ArgumentParser, main: Callable, argv=None) -> int:
     elif "out" not in arguments.given and NAME_OF_FILE in arguments.out.name:
         # a folder for every seal file, so that none overwrites the results of another one
         name = arguments.out.name
+        if arguments.file is not None and not arguments.file.stem:
+            made.error(f"argument FILE: {arguments.file} is a folder; give a seal file (TOML)")
         own = (
             name.removeprefix(f"{NAME_OF_FILE}_")
             if arguments.file is None

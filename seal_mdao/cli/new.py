@@ -60,6 +60,10 @@ constraint = [{{ measure = "reaction", lower = 450.0 }}]
 
 def main(arguments) -> int:
     name = arguments.name.removesuffix(".toml")
+    if not name.strip("."):
+        raise WrongArgumentError(
+            f"{arguments.name!r} is no name of a file; give the name of the seal, such as bulb"
+        )
     path = arguments.out / f"{name}.toml"
     # never overwrite a file that may have been edited
     if path.exists():

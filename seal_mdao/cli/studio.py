@@ -25,6 +25,11 @@ def main(arguments) -> int:
         project = Project(file.parent if file is not None else arguments.out)
         if file is not None and not project.path(file.name).is_file():
             raise WrongArgumentError(f"{file}: there is no such file")
+        if file is not None and file.suffix != ".toml":
+            raise WrongArgumentError(
+                f"{file} is not a seal file (TOML); a drawing can be dropped on the page of "
+                "seal-mdao studio without a file, or converted by seal-mdao new NAME --from DRAWING.dxf"
+            )
     except ProjectError as error:
         raise WrongArgumentError(str(error)) from error
     try:

@@ -106,6 +106,36 @@ def test_a_sweep_of_two_quantities_is_refused(bulb, tmp_path, capsys):
     assert "a sweep varies one quantity" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("folder", [".", "/", ""])
+@pytest.mark.parametrize("command", ["analyze", "check"])
+def test_a_folder_instead_of_a_seal_file_is_refused(folder, command, capsys):
+    try:
+        code = main([command, folder])
+    except SystemExit as ended:
+        code = ended.code
+    assert code == 2
+    text = capsys.readouterr().err
+    assert "folder" in text or "directory" in text
+
+
+def test_studio_refuses_a_drawing_and_says_what_to_do(tmp_path, capsys):
+    drawing = tmp_path / "strip.dxf"
+    drawing.write_text("0\nEOF\n")
+    with pytest.raises(SystemExit) as ended:
+        main(["studio", str(drawing), "--no-browser"])
+    assert ended.value.code == 2
+    assert "seal-mdao new NAME --from DRAWING.dxf" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [".", "..", "", ".toml"])
+def test_a_new_file_needs_a_name(name, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["new", name, "--out", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "is no name of a file" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_misspelt_command_is_named(capsys):
     with pytest.raises(SystemExit) as ended:
         main(["anlyze", "bulb.toml"])
