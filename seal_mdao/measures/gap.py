@@ -7,15 +7,15 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import BoundaryLine, is_closed, opened_square_integral
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import contact_range, open_points
+from seal_mdao.measures.selection import contact_range, mirrored_ends, open_points
 from seal_mdao.measures.smooth_peaks import NORM_ORDER, p_norm
 
 
 def open_between(result, profile: str) -> np.ndarray:
     """Find the contact points of a profile that are open between the first and the last contact at the
     end of the path."""
-    closed = is_closed(result.term(profile).where)
-    return open_points(result.response(profile).state, closed)
+    term = result.term(profile)
+    return open_points(result.response(profile).state, is_closed(term.where), mirrored_ends(term))
 
 
 @dataclass(frozen=True)
@@ -91,19 +91,24 @@ class BetweenContacts(Measure):
         Label of the contact.
     nominal : tuple of int, or None
         Contact points from the first to the last contact of the nominal seal; None before its analysis.
+    mirrored : tuple of bool
+        Ends at which the boundary continues with its mirror image (``selection.mirrored_ends``).
     """
 
     profile: str
     nominal: tuple | None = None
+    mirrored: tuple = (False, False)
 
     @property
     def selects_points(self):
         return self.nominal is None
 
     def frozen(self, nominal):
-        closed = is_closed(nominal.term(self.profile).where)
-        points = contact_range(nominal.response(self.profile).state != OPEN, closed)
-        return replace(self, nominal=tuple(points.tolist()))
+        term = nominal.term(self.profile)
+        mirrored = mirrored_ends(term)
+        touching = nominal.response(self.profile).state != OPEN
+        points = contact_range(touching, is_closed(term.where), mirrored)
+        return replace(self, nominal=tuple(points.tolist()), mirrored=mirrored)
 
     def on_refined(self, fine, particles):
         # contact points there have other indices
@@ -114,7 +119,8 @@ class BetweenContacts(Measure):
         # in contact now or in the nominal seal
         touching = result.response(self.profile).state != OPEN
         touching[list(self.nominal)] = True
-        return contact_range(touching, is_closed(result.term(self.profile).where))
+        closed = is_closed(result.term(self.profile).where)
+        return contact_range(touching, closed, self.mirrored)
 
     def open_gaps(self, result) -> tuple[np.ndarray, np.ndarray]:
         """Find the points among these that are not in contact, and their gaps, mm."""

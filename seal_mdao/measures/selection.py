@@ -3,6 +3,9 @@
 import numpy as np
 
 from seal_mdao.contact.friction import OPEN
+from seal_mdao.contact.kinematics import linearized_positions
+from seal_mdao.measures.singular_points import STRAIGHT, in_plane
+from seal_mdao.rkpm.cells import sides_of
 
 
 def local_maxima(values: np.ndarray, periodic: bool) -> np.ndarray:
@@ -38,11 +41,61 @@ def boundary_peaks(rows, stress: np.ndarray, count: int) -> np.ndarray:
     return np.concatenate(ranked)[:count]
 
 
-def contact_range(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
+def mirrored_ends(term) -> tuple[bool, bool]:
+    """Find which ends of the contact points of a profile continue with their mirror image.
+
+    The boundary ends in a plane of symmetry or on the axis of revolution, and the profile is its own
+    mirror image there: its normal lies in the plane. A gap at such an end is closed by the mirror image
+    of the contact.
+
+    Parameters
+    ----------
+    term : ContactTerm
+    """
+    where, discretization = term.where, term.discretization
+    body, particles = discretization.body, discretization.particles
+    pairs = np.sort(where.edges.reshape(-1, 2), axis=1)
+    # sides of the boundary to which contact points belong, and all others
+    own = {tuple(pair) for pair in pairs[pairs[:, 0] < pairs[:, 1]].tolist()}
+    others = {tuple(side) for side in np.sort(sides_of(body.cells)[0], axis=1).tolist()} - own
+    found = []
+    for nearest in (where.edges[0], where.edges[-1]):
+        # particles of the first or last point to which only one side belongs
+        ends = [p for p in np.unique(nearest).tolist() if sum(p in side for side in own) == 1]
+        found.append(
+            any(
+                in_plane(body, particles, *side)
+                and _normal_in_plane(term, particles[end], body.fixed[list(side)].all(axis=0))
+                for end in ends
+                for side in others
+                if end in side
+            )
+        )
+    return tuple(found)
+
+
+def _normal_in_plane(term, place, across) -> bool:
+    """Return whether the normal of the profile beside a point is perpendicular to the direction
+    ``across`` (2,)."""
+    x, normal, gap = place[None].copy(), np.zeros((1, 2)), np.zeros(1)
+    linearized_positions(term.curve, term.pose(0.0), x, x.copy(), normal, gap)
+    return bool(abs(normal[0, across].item()) < STRAIGHT)
+
+
+def contact_range(
+    in_contact: np.ndarray, closed: bool = False, mirrored: tuple = (False, False)
+) -> np.ndarray:
     """List the contact points from the first to the last one in contact, in order.
 
-    On a closed boundary they are all points except those of its longest open part.
+    On a closed boundary they are all points except those of its longest open part. Beyond the ends that
+    are ``mirrored`` the boundary continues with its mirror image (``mirrored_ends``).
     """
+    if any(mirrored):
+        own = np.arange(in_contact.size)
+        # mirror image, boundary, mirror image; a closed one where both ends are mirrored
+        parts = [own[::-1]] * mirrored[0] + [own] + [own[::-1]] * (mirrored == (False, True))
+        doubled = np.concatenate(parts)
+        return np.unique(doubled[contact_range(in_contact[doubled], all(mirrored))])
     touching, size = np.flatnonzero(in_contact), in_contact.size
     if touching.size == 0:
         return touching
@@ -55,9 +108,12 @@ def contact_range(in_contact: np.ndarray, closed: bool = False) -> np.ndarray:
     return np.arange(touching[0], touching[-1] + 1)
 
 
-def open_points(state: np.ndarray, closed: bool = False) -> np.ndarray:
-    """Find the contact points that are open between the first and the last one in contact."""
-    between = contact_range(state != OPEN, closed)
+def open_points(
+    state: np.ndarray, closed: bool = False, mirrored: tuple = (False, False)
+) -> np.ndarray:
+    """Find the contact points that are open between the first and the last one in contact; arguments as
+    of ``contact_range``."""
+    between = contact_range(state != OPEN, closed, mirrored)
     return between[state[between] == OPEN]
 
 

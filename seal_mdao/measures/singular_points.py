@@ -49,7 +49,7 @@ def singular_points(body, particles: np.ndarray, elastic) -> list[SingularPoint]
         one, other = particles[point] - particles[last], particles[after] - particles[point]
         # turn of the boundary, negative towards the body, which lies on the left
         turn = np.arctan2(one[0] * other[1] - one[1] * other[0], one @ other)
-        planes = [_in_plane(body, particles, *side) for side in ((last, point), (point, after))]
+        planes = [in_plane(body, particles, *side) for side in ((last, point), (point, after))]
         if sum(planes) == 1:
             # the boundary continues with its mirror image: the angle pi - turn of the body is doubled
             turn = 2.0 * turn - np.pi
@@ -74,7 +74,7 @@ def singular_points(body, particles: np.ndarray, elastic) -> list[SingularPoint]
     return found
 
 
-def _in_plane(body, particles: np.ndarray, first: int, last: int) -> bool:
+def in_plane(body, particles: np.ndarray, first: int, last: int) -> bool:
     """Whether a side of the boundary lies in a plane of symmetry or on the axis of revolution: its
     particles cannot move across it, but along it."""
     across = body.fixed[first] & body.fixed[last]

@@ -11,7 +11,7 @@ from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.measures.gap import Gap
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import open_points
+from seal_mdao.measures.selection import mirrored_ends, open_points
 from seal_mdao.seals.profiles import contact_positions, contacts, self_contacts
 
 NEGLIGIBLE = 1e-3
@@ -49,7 +49,8 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
     """
     own = result.path.at_nominal(profile)[step]
     # open between closed ones along the edge
-    points = open_points(own.branch, is_closed(result.term(profile).where))
+    term = result.term(profile)
+    points = open_points(own.branch, is_closed(term.where), mirrored_ends(term))
     others = [
         response.x[response.branch != OPEN]
         for term in (*contacts(result.seal), *self_contacts(result.seal))
@@ -70,7 +71,8 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
 def largest_gap(result, profile: str) -> OpenGap:
     """Find the largest gap of all contact points of a profile after the last converged step."""
     response = result.path.at_nominal(profile)[-1]
-    points = open_points(response.state, is_closed(result.term(profile).where))
+    term = result.term(profile)
+    points = open_points(response.state, is_closed(term.where), mirrored_ends(term))
     if not points.size:
         return OpenGap(profile, 0.0, -1, ())
     point = int(points[response.gap[points].argmax()])
