@@ -32,6 +32,8 @@ ENOUGH, SOME = 5, 3
 LARGEST_FALL = 0.2
 """Largest relative fall from the peak to the points beside it; with more, peaks of the sections of
 ``tests/verification/references`` are 2 to 18 % too low."""
+FINER = "use a smaller edge_spacing for the edge that touches this profile"
+"""What to do about too few contact points."""
 
 
 @dataclass(frozen=True)
@@ -246,42 +248,55 @@ def fall_beside_peak(gap: np.ndarray, around: np.ndarray) -> float:
     return 1.0 - beside.mean() / depth[peak]
 
 
-def _measured_profiles(result) -> list[str]:
-    """List the profiles whose contact pressure is measured."""
-    every = (own.profile for own in result.measures() if isinstance(own, ContactPressure))
+def _measured_profiles(result, kind=ContactPressure) -> list[str]:
+    """List the profiles with measures of one kind, by default of the contact pressure."""
+    every = (own.profile for own in result.measures() if isinstance(own, kind))
     return list(dict.fromkeys(every))
 
 
-def unresolved_peaks(result) -> tuple[str, ...]:
-    """Warn of measured contact pressures whose peak has too few contact points, one line for each
+def unresolved_contacts(result) -> tuple[str, ...]:
+    """Warn of measured contact pressures and widths with too few contact points, one line for each
     profile."""
     lines = []
-    for profile in _measured_profiles(result):
+    pressures = _measured_profiles(result)
+    for profile in pressures:
         where, gap = result.term(profile).where, result.response(profile).gap
         around = points_around_peak(gap, is_closed(where))
         count = len(around)
-        finer = "use a smaller edge_spacing for the edge that touches this profile"
         if SOME <= count < ENOUGH:
             lines.append(
                 f"the peak pressure on {profile!r} is computed from only {count} adjacent points in "
-                f"contact, so its numerical error may be 10 %; {finer}"
+                f"contact, so its numerical error may be 10 %; {FINER}"
             )
         elif 0 < count < SOME:
-            points = "2 adjacent points are" if count == 2 else "1 point is"
             lines.append(
-                f"the peak pressure on {profile!r} is not resolved: at the peak only {points} in "
+                f"the peak pressure on {profile!r} is not resolved: at the peak only {_few(count)} in "
                 "contact, which may be narrower there than the distance of two points; the "
                 "computed peak may be several times too small and the contact width wrong, while "
-                f"the force is affected far less; {finer}"
+                f"the force is affected far less; {FINER}"
             )
         elif count and fall_beside_peak(gap, around) > LARGEST_FALL:
             peak = place(where.points.at(result.particles)[gap.argmin()])
             lines.append(
                 f"the peak pressure on {profile!r} is concentrated on less than twice the distance of "
                 f"the contact points, near {peak} (undeformed coordinates), so it may be 20 % too low; "
-                f"{finer}; at a sharp corner it may grow with every refinement"
+                f"{FINER}; at a sharp corner it may grow with every refinement"
+            )
+    for profile in _measured_profiles(result, ContactWidth):
+        gap, closed = result.response(profile).gap, is_closed(result.term(profile).where)
+        count = len(points_around_peak(gap, closed))
+        if profile not in pressures and 0 < count < SOME:
+            lines.append(
+                f"the contact width on {profile!r} is not resolved: where the pressure is highest only "
+                f"{_few(count)} in contact, and the width there may be several times too small or too "
+                f"large, while the force is affected far less; {FINER}"
             )
     return tuple(lines)
+
+
+def _few(count: int) -> str:
+    """Name one or two contact points."""
+    return "2 adjacent points are" if count == 2 else "1 point is"
 
 
 def pressed_corners(result) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from seal_mdao.dsa.sensitivity import Sensitivities, sensitivities
 from seal_mdao.equilibrium.discretization import Discretization, discretize
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import GeometryError, LoadPathError
-from seal_mdao.measures.contact_pressure import pressed_corners, unresolved_peaks
+from seal_mdao.measures.contact_pressure import pressed_corners, unresolved_contacts
 from seal_mdao.measures.measure import Derived, Measure
 from seal_mdao.seals import penalty_error, profiles
 from seal_mdao.seals.checks import findings, squeezed_corner
@@ -137,7 +137,11 @@ class SealResult:
             return ()
         # inadmissible states, penalty errors, warnings known before the analysis
         found = (finding.text for finding in findings(self.path))
-        errors = (*penalty_error.warnings_of(self), *unresolved_peaks(self), *pressed_corners(self))
+        errors = (
+            *penalty_error.warnings_of(self),
+            *unresolved_contacts(self),
+            *pressed_corners(self),
+        )
         missing = (measure.missing(self) for measure in self.seal.standard)
         return (*found, *filter(None, missing), *errors, *self.seal.warnings)
 

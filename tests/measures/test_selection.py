@@ -253,6 +253,25 @@ def test_the_peak_between_few_points_is_reported(tmp_path, finer, count, warning
 
 
 @pytest.mark.parametrize(
+    ("finer", "reported"), [("edge_spacing = { tip = 0.04 }", False), ("", True)]
+)
+def test_a_width_of_one_point_is_reported(tmp_path, finer, reported):
+    """By Hertz, with the force on the plate: exact to a fifth, or wrong by a factor."""
+    path = tmp_path / "lip.toml"
+    width = MEASURES.replace('[[measure]]\ntype = "peak_pressure"\n', "")
+    path.write_text(PRESSED_TIP.format(section=f"spacing = 0.3\n{finer}") + width)
+    result = sm.analyze(sm.build_seal(path))
+    own = "the contact width on 'plate' is not resolved: where the pressure is highest only 1 point is"
+    assert [text.startswith(own) for text in result.warnings if "resolved" in text] == [
+        True
+    ] * reported
+    # 2 a = 4 [F R (1 - nu^2) / (pi E)]^(1/2) of an incompressible tip with E = 6 C10
+    compliance = 0.75 / (6.0 * result.seal.materials["rubber"].c10)
+    exact = 4.0 * np.sqrt(result.reaction[-1, 1] * 0.5 * compliance / np.pi)
+    assert (abs(result.contact_width[0] / exact - 1.0) > 0.2) == reported
+
+
+@pytest.mark.parametrize(
     ("gap", "closed", "points"),
     [
         ([0.1, -0.1, -0.3, 0.2, -0.1, -0.1, -0.1], False, [1, 2]),
