@@ -275,7 +275,10 @@ def unresolved_contacts(result) -> tuple[str, ...]:
                 "computed peak may be several times too small and the contact width wrong, while "
                 f"the force is affected far less; {FINER}"
             )
-        elif count and fall_beside_peak(gap, around) > LARGEST_FALL:
+        elif not count or _pressed_corners(result, profile).size:
+            # what is wrong beside a corner is another warning
+            continue
+        elif fall_beside_peak(gap, around) > LARGEST_FALL:
             peak = place(where.points.at(result.particles)[gap.argmin()])
             lines.append(
                 f"the peak pressure on {profile!r} is concentrated on less than twice the distance of "
@@ -304,10 +307,9 @@ def pressed_corners(result) -> tuple[str, ...]:
     has one contact point for both sides, one line for each profile."""
     lines = []
     for profile in _measured_profiles(result):
-        where, gap = result.term(profile).where, result.response(profile).gap
-        pressed = np.flatnonzero(two_sided_corners(where, result.particles) & (gap < 0.0))
+        pressed = _pressed_corners(result, profile)
         if pressed.size:
-            corner = place(where.points.at(result.particles)[pressed[0]])
+            corner = place(result.term(profile).where.points.at(result.particles)[pressed[0]])
             lines.append(
                 f"{profile!r} presses on a sharp corner of the section, at {corner} (undeformed "
                 "coordinates): its contact point represents both sides of the corner, so the "
@@ -316,6 +318,12 @@ def pressed_corners(result) -> tuple[str, ...]:
                 "side, list only the pressed edges in contact of this profile, or round the corner"
             )
     return tuple(lines)
+
+
+def _pressed_corners(result, profile: str) -> np.ndarray:
+    """Find the contact points in contact that represent both sides of a sharp corner."""
+    corners = two_sided_corners(result.term(profile).where, result.particles)
+    return np.flatnonzero(corners & (result.response(profile).gap < 0.0))
 
 
 def two_sided_corners(where, particles) -> np.ndarray:
