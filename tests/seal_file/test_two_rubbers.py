@@ -1,5 +1,6 @@
 """A section of two rubbers between planes of symmetry against the exact solution."""
 
+import meshio
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -7,6 +8,7 @@ from two_rubbers import pressed_block
 from verification.layered_cylinder import principal_stress
 
 import seal_mdao as sm
+from seal_mdao.seals.outline.cloud_file import write_cloud
 
 SOFT, STIFF = sm.MooneyRivlin(80.0, 20.0, 2e3), sm.MooneyRivlin(320.0, 80.0, 6e3)
 MATERIALS = """
@@ -103,6 +105,23 @@ def test_a_line_that_ends_at_a_hole_divides_nothing(tmp_path):
         sm.SealFileError, match="do not divide the section, so that all of it is in"
     ):
         sm.build_seal(path)
+
+
+def without_parts(seal, text, folder):
+    """The seal file ``text`` with the particles of the seal from a mesh that does not tell its parts."""
+    mesh = meshio.read(write_cloud(seal, np.zeros(seal.n_offsets), folder / "mesh.vtu"))
+    meshio.Mesh(mesh.points, mesh.cells).write(folder / "mesh.vtu")
+    path = folder / "given.toml"
+    path.write_text(text.replace("spacing = 0.8", 'cloud = "mesh.vtu"'))
+    return sm.read_seal_file(path)
+
+
+def test_a_mesh_that_does_not_tell_the_parts_of_a_body_is_refused(tmp_path):
+    path = tmp_path / "block.toml"
+    path.write_text(block(0.8))
+    seal = sm.build_seal(sm.read_seal_file(path))
+    with pytest.raises(sm.SealFileError, match="give the mesh cell data 'part'"):
+        sm.build_seal(without_parts(seal, path.read_text(), tmp_path))
 
 
 def test_planes_stay_planes_in_a_design(tmp_path):

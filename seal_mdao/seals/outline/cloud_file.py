@@ -11,7 +11,7 @@ from seal_mdao.geometry.polygon import polygon_area
 from seal_mdao.input_files import read_bytes, reason_of, require_ordinary
 from seal_mdao.mesh_files import cell_blocks, flat, library
 from seal_mdao.rkpm.basis import BASIS_SIZE
-from seal_mdao.rkpm.cells import GAUSS_POINTS, in_both_directions
+from seal_mdao.rkpm.cells import GAUSS_POINTS, bodies, in_both_directions
 from seal_mdao.seals.outline.contours import Outline
 from seal_mdao.seals.outline.sampling import located
 from seal_mdao.seals.outline.section_cloud import Kernels, OutlineCloud
@@ -93,8 +93,12 @@ def read_cloud(path, outline: Outline) -> OutlineCloud:
             None if data is None else np.asarray(data, float)[used]
             for data in map(mesh.point_data.get, (FIRST, SUPPORT, AXES))
         )
+        # bodies that no cell connects are parts of their own
+        parts = bodies(cells, len(particles))[cells[:, 0]]
+        if PART in mesh.cell_data:
+            parts = _of_cells(mesh, PART, 0)
         return OutlineCloud(
-            particles, cells, loops, _of_cells(mesh, PART, 0),
+            particles, cells, loops, parts,
             None if first is None else np.ascontiguousarray(first[:, :2]),
             None if support is None else support.ravel(),
             None if axes is None else axes.reshape(-1, 2, 2), boundaries, _kernels(mesh),

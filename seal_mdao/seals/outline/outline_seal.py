@@ -221,7 +221,8 @@ def outline_seal(
     prescribed = np.zeros(filled.particles.shape, bool)
     for name, components in supports.items():
         prescribed[np.ix_(edges[name].particles, components)] = True
-    elastic = ElasticBody(_regions(filled, regions), model.environment)
+    given = isinstance(spacing, OutlineCloud)
+    elastic = ElasticBody(_regions(filled, regions, given), model.environment)
     parts = None
     # a part of one layer of cells has too few particles for the quadratic basis
     if len(elastic.regions) > 1 and kernels.basis_order == 1:
@@ -304,8 +305,9 @@ def reseed(seal: OutlineSeal, offsets) -> OutlineSeal:
     )
 
 
-def _regions(filled: OutlineCloud, regions) -> tuple:
-    """Find the cells of every region, first of that of the rest."""
+def _regions(filled: OutlineCloud, regions, given: bool) -> tuple:
+    """Find the cells of every region, first of that of the rest; ``given`` if the cloud is that of a
+    file."""
     rest, *others = sorted(regions, key=lambda region: region.at is not None)
     if not others:
         return (rest.on(None),)
@@ -321,6 +323,11 @@ def _regions(filled: OutlineCloud, regions) -> tuple:
     # cells of no other region belong to the rest
     remaining = np.flatnonzero(~np.isin(filled.parts, parts))
     undivided = filled.parts.max() == bodies(filled.cells, len(filled.particles)).max()
+    if not remaining.size and undivided and given:
+        raise ValueError(
+            "the cells of the mesh (cloud) are not divided between [section] and [[section.region]]; "
+            "give the mesh cell data 'part', one number for each part of the section"
+        )
     if not remaining.size and undivided and any(region.lines for region in regions):
         raise ValueError(
             "the lines of [[section.region]] do not divide the section, so that all of it is in a "
