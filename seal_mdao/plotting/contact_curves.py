@@ -163,9 +163,11 @@ def gap_profile(result: SealResult, earlier=(), profile: str | None = None) -> F
     label = leading_contact(result.seal).label if profile is None else profile
     s, gap = result.gap_profile(label)
     state = result.path.at_nominal(label)[-1].state
-    shown = _shown(state != OPEN, GAP_BEYOND)
-    # points of gap regions, open between contacts
+    # points of gap regions, open between contacts or between a contact and its mirror image
     opened = open_between(result, label)
+    parts = state != OPEN
+    parts[opened] = True
+    shown = _shown(parts, GAP_BEYOND)
     _shade_gaps(axes, s, opened)
     for number, travel in enumerate(earlier):
         step = int(np.argmin(np.abs(result.travel - travel)))

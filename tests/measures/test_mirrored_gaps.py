@@ -7,6 +7,7 @@ from exact_gradients import require_exact
 import seal_mdao as sm
 from seal_mdao.measures.gap import open_between
 from seal_mdao.measures.selection import contact_range, mirrored_ends
+from seal_mdao.plotting.contact_curves import gap_profile
 
 HOLLOW = """
 HEAD
@@ -73,6 +74,10 @@ def test_a_half_has_the_gap_of_the_complete_section(tmp_path):
     response = half.response("lid")
     np.testing.assert_array_equal(open_between(half, "lid")[-1], len(response.gap) - 1)
     assert half.gap.max() == response.gap[-1]
+    # and in the figure
+    (axes,) = gap_profile(half).axes
+    drawn = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
+    assert drawn.max() == response.gap[-1]
     require_exact(half, ["largest_gap", "gap_square_integral"], 1e-4)
 
 
