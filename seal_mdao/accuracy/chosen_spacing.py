@@ -22,8 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from seal_mdao.accuracy.error_estimate import ORDER, ErrorEstimate, estimate_errors
-from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.contact_pressure import ENOUGH, points_around_peak
+from seal_mdao.measures.contact_pressure import ENOUGH, peak_points
 from seal_mdao.measures.measure import Derived
 from seal_mdao.seals.chosen_path import store_path
 from seal_mdao.seals.creases import creases
@@ -147,9 +146,7 @@ class Cloud:
         for measure in self.result.measures(tuple(admissible)):
             own = measure.base if isinstance(measure, Derived) else measure
             if own.needs_points:
-                gap = self.result.response(own.profile).gap
-                closed = is_closed(self.result.term(own.profile).where)
-                points = points_around_peak(gap, closed)
+                points = peak_points(self.result, own.profile)
                 if 0 < len(points) < ENOUGH:
                     edges = _finer_edges(self.result, own.profile, points)
                     return FewPoints(measure.name, own.profile, len(points), edges)

@@ -12,6 +12,7 @@ from seal_mdao.equilibrium.tangent_layout import TangentLayout, equation_numbers
 from seal_mdao.equilibrium.threads import one_blas_thread
 from seal_mdao.errors import GeometryError
 from seal_mdao.rkpm.averages import EdgeAverages, averaged_table
+from seal_mdao.rkpm.axisymmetry import zero_radius
 from seal_mdao.rkpm.basis import BASIS_SIZE
 from seal_mdao.rkpm.cells import CellMap, cell_map, quadrature_weights
 from seal_mdao.rkpm.consistent_gradients import CellTable, EdgeRule, build_cell_table, edge_rule
@@ -21,9 +22,6 @@ from seal_mdao.rkpm.tables import PointTable, build_table, raw_tables
 from seal_mdao.rkpm.visibility import particles_in_parts, parts_of_sides
 from seal_mdao.structure.pressure_functions import PressureSpace, through_column
 from seal_mdao.terms.points import MaterialPoints, boundary_particles, single_points
-
-ROUNDING = 1e-9
-"""Radius that is zero, over the size of the section."""
 
 
 class Edge(NamedTuple):
@@ -406,7 +404,7 @@ def _check_radii(body: Body, particles: np.ndarray) -> None:
     """Refuse particles of a body of revolution beyond the axis, or on it without being held there."""
     radii = particles[:, 0]
     # R > 0, or R = 0 with u_r = 0; up to rounding
-    inside = radii > ROUNDING * np.ptp(particles, axis=0).max()
+    inside = radii > zero_radius(particles)
     inside |= (radii == 0.0) & body.fixed[:, 0]
     if not inside.all():
         number = int(np.where(inside, np.inf, radii).argmin())

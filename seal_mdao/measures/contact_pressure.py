@@ -238,6 +238,12 @@ def points_around_peak(gap: np.ndarray, closed: bool) -> np.ndarray:
     return (found + first) % gap.size
 
 
+def peak_points(result, profile: str) -> np.ndarray:
+    """Find the ``points_around_peak`` of a profile at the end of the path."""
+    closed = is_closed(result.term(profile).where)
+    return points_around_peak(result.response(profile).gap, closed)
+
+
 def fall_beside_peak(gap: np.ndarray, around: np.ndarray) -> float:
     """Compute the relative fall of the pressure from its peak to the mean of the points beside it that
     are in contact; ``around`` of ``points_around_peak``, with at least two points."""
@@ -260,8 +266,7 @@ def unresolved_contacts(result) -> tuple[str, ...]:
     lines = []
     pressures = _measured_profiles(result)
     for profile in pressures:
-        where, gap = result.term(profile).where, result.response(profile).gap
-        around = points_around_peak(gap, is_closed(where))
+        around = peak_points(result, profile)
         count = len(around)
         if SOME <= count < ENOUGH:
             lines.append(
@@ -275,19 +280,16 @@ def unresolved_contacts(result) -> tuple[str, ...]:
                 "computed peak may be several times too small and the contact width wrong, while "
                 f"the force is affected far less; {FINER}"
             )
-        elif not count or _pressed_corners(result, profile).size:
-            # what is wrong beside a corner is another warning
-            continue
-        elif fall_beside_peak(gap, around) > LARGEST_FALL:
-            peak = place(where.points.at(result.particles)[gap.argmin()])
+        elif count and _is_narrow(result, profile, around):
+            points, gap = result.term(profile).where.points, result.response(profile).gap
+            peak = place(points.at(result.particles)[gap.argmin()])
             lines.append(
                 f"the peak pressure on {profile!r} is concentrated on less than twice the distance of "
                 f"the contact points, near {peak} (undeformed coordinates), so it may be 20 % too low; "
                 f"{FINER}; at a sharp corner it may grow with every refinement"
             )
     for profile in _measured_profiles(result, ContactWidth):
-        gap, closed = result.response(profile).gap, is_closed(result.term(profile).where)
-        count = len(points_around_peak(gap, closed))
+        count = len(peak_points(result, profile))
         if profile not in pressures and 0 < count < SOME:
             lines.append(
                 f"the contact width on {profile!r} is not resolved: where the pressure is highest only "
@@ -295,6 +297,14 @@ def unresolved_contacts(result) -> tuple[str, ...]:
                 f"large, while the force is affected far less; {FINER}"
             )
     return tuple(lines)
+
+
+def _is_narrow(result, profile: str, around: np.ndarray) -> bool:
+    """Return whether the pressure falls much beside its peak, but not at a pressed corner, of which
+    another warning tells."""
+    if _pressed_corners(result, profile).size:
+        return False
+    return fall_beside_peak(result.response(profile).gap, around) > LARGEST_FALL
 
 
 def _few(count: int) -> str:

@@ -14,8 +14,13 @@ from seal_mdao.measures.smooth_peaks import NORM_ORDER, p_norm
 def open_between(result, profile: str) -> np.ndarray:
     """Find the contact points of a profile that are open between the first and the last contact at the
     end of the path."""
-    term = result.term(profile)
-    return open_points(result.response(profile).state, is_closed(term.where), mirrored_ends(term))
+    return open_at(result.term(profile), result.response(profile).state)
+
+
+def open_at(term, state: np.ndarray) -> np.ndarray:
+    """Find the contact points of a ``ContactTerm`` that are open between the first and the last contact
+    with these states (k,)."""
+    return open_points(state, is_closed(term.where), mirrored_ends(term))
 
 
 @dataclass(frozen=True)

@@ -111,11 +111,10 @@ class Mass(Measure):
     def check(self, seal):
         for region in seal.definitions[0].regions:
             if region.density is None:
-                # the only material of a seal has no name here
-                what = f"the material {region.name!r}" if region.name else "the material"
                 where = f"[material.{region.name}]" if region.name else "its table [material.NAME]"
                 raise ValueError(
-                    f"{what} has no density; add density = 1200 (kg/m3), or its own value, to {where}"
+                    f"{region.title} has no density; add density = 1200 (kg/m3), or its own value, "
+                    f"to {where}"
                 )
 
     def evaluate(self, result, partials):

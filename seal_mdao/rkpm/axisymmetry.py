@@ -20,6 +20,14 @@ from seal_mdao.rkpm.scatter import scatter_add
 
 CIRCUMFERENCE = 2e-3 * np.pi
 """Circumference over radius, m/mm."""
+ROUNDING = 1e-9
+"""Radius that is zero, over the size of the section."""
+
+
+def zero_radius(particles: np.ndarray) -> float:
+    """Return the radius, mm, up to which a point of a section with these particles (n, 2) is on the
+    axis: rounding."""
+    return ROUNDING * float(np.ptp(particles, axis=0).max())
 
 
 def edge_circumferences(ends: np.ndarray, radial: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.contact.self_contact import SelfContactTerm
 from seal_mdao.loads.fluid_pressure import FluidPressureTerm
 from seal_mdao.measures.singular_points import REENTRANT_CORNER
+from seal_mdao.rkpm.axisymmetry import zero_radius
 from seal_mdao.seals.arbitrary_side import arbitrary_side
 from seal_mdao.seals.contact_loss import contact_losses, untouched_profiles
 from seal_mdao.seals.creases import creases
@@ -49,8 +50,6 @@ AT_CORNER = 3.0
 """Distance from a re-entrant corner, in spacings there, within which it inverts material."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
-ROUNDING = 1e-9
-"""Radius that is zero, over the size of the section."""
 NO_STRAIN = 1e-9
 """Strain whose stresses count as zero."""
 FEW_CELLS = 0.01
@@ -541,7 +540,7 @@ def _axis(samples: EvaluationPoints):
         return
     which = np.unique(samples.chains)
     places, radii = samples.places[which], samples.undeformed[which, 0]
-    rounding = ROUNDING * float(np.ptp(path.discretization.particles, axis=0).max())
+    rounding = zero_radius(path.discretization.particles)
     # r < 0; between its particles the axis itself is no surface
     place = min(places[radii > 0.0], key=lambda own: own[0])
     if not place[0] >= -rounding:

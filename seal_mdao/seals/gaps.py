@@ -8,10 +8,8 @@ import numpy as np
 
 from seal_mdao import values
 from seal_mdao.contact.friction import OPEN
-from seal_mdao.measures.boundary_line import is_closed
-from seal_mdao.measures.gap import Gap
+from seal_mdao.measures.gap import Gap, open_at
 from seal_mdao.measures.measure import Derived, Measure
-from seal_mdao.measures.selection import mirrored_ends, open_points
 from seal_mdao.seals.profiles import contact_positions, contacts, self_contacts
 
 NEGLIGIBLE = 1e-3
@@ -49,8 +47,7 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
     """
     own = result.path.at_nominal(profile)[step]
     # open between closed ones along the edge
-    term = result.term(profile)
-    points = open_points(own.branch, is_closed(term.where), mirrored_ends(term))
+    points = open_at(result.term(profile), own.branch)
     others = [
         response.x[response.branch != OPEN]
         for term in (*contacts(result.seal), *self_contacts(result.seal))
@@ -71,8 +68,7 @@ def open_between(result, profile: str, step: int = -1) -> np.ndarray:
 def largest_gap(result, profile: str) -> OpenGap:
     """Find the largest gap of all contact points of a profile after the last converged step."""
     response = result.path.at_nominal(profile)[-1]
-    term = result.term(profile)
-    points = open_points(response.state, is_closed(term.where), mirrored_ends(term))
+    points = open_at(result.term(profile), response.state)
     if not points.size:
         return OpenGap(profile, 0.0, -1, ())
     point = int(points[response.gap[points].argmax()])

@@ -43,6 +43,11 @@ class Region(NamedTuple):
         return self.prefix.rstrip("_")
 
     @property
+    def title(self) -> str:
+        """How messages call the material."""
+        return f"the material {self.name!r}" if self.name else "the material"
+
+    @property
     def names(self) -> tuple:
         """Names of the constants as parameters."""
         return tuple(self.prefix + name for name in self.material.names)

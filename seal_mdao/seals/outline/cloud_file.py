@@ -94,9 +94,7 @@ def read_cloud(path, outline: Outline) -> OutlineCloud:
             for data in map(mesh.point_data.get, (FIRST, SUPPORT, AXES))
         )
         # bodies that no cell connects are parts of their own
-        parts = bodies(cells, len(particles))[cells[:, 0]]
-        if PART in mesh.cell_data:
-            parts = _of_cells(mesh, PART, 0)
+        parts = _of_cells(mesh, PART, bodies(cells, len(particles))[cells[:, 0]])
         return OutlineCloud(
             particles, cells, loops, parts,
             None if first is None else np.ascontiguousarray(first[:, :2]),
@@ -252,7 +250,8 @@ def _kernels(mesh) -> Kernels:
 
 
 def _of_cells(mesh, name: str, default) -> np.ndarray:
-    """Read integer cell data; the default, or the cell indices if that is None, where missing."""
+    """Read integer cell data; where missing the default, one number or one of every cell, or the cell
+    indices if that is None."""
     blocks = [i for i, block in enumerate(mesh.cells) if block.type in KINDS]
     data = mesh.cell_data.get(name)
     if data is None:

@@ -14,6 +14,7 @@ from seal_mdao.loads.moved_edges import ImposedMotions, MovedEdges
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.materials.ogden_roxburgh import OgdenRoxburgh
 from seal_mdao.materials.viscoelastic import PronySeries
+from seal_mdao.rkpm.axisymmetry import zero_radius
 from seal_mdao.rkpm.cells import bodies, kernel_supports
 from seal_mdao.rkpm.visibility import hidden_pairs
 from seal_mdao.seals.outline.boundary_path import stretches
@@ -35,8 +36,6 @@ from seal_mdao.structure.elastic_body import ElasticBody
 from seal_mdao.structure.environment import Environment, Growth
 from seal_mdao.structure.region import Region
 
-ON_AXIS = 1e-9
-"""Distance from the axis that is rounding, over the size of the section."""
 NONE = MappingProxyType({})
 """No edge is supported, or designed."""
 
@@ -254,7 +253,7 @@ def _on_axis(filled: OutlineCloud) -> OutlineCloud:
     it, to zero."""
     particles = filled.particles.copy()
     radii = particles[:, 0]
-    radii[np.abs(radii) <= max(ON_AXIS * np.ptp(particles, axis=0).max(), MATCH)] = 0.0
+    radii[np.abs(radii) <= max(zero_radius(particles), MATCH)] = 0.0
     return replace(filled, particles=particles)
 
 

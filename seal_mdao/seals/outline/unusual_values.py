@@ -52,7 +52,7 @@ def unusual_moduli(what: str, material: Isotropic):
 
 def _of_region(region: Region, environment):
     """Describe the unusual values of one material."""
-    what = f"the material {region.name!r}" if region.name else "the material"
+    what = region.title
     yield from unusual_moduli(what, region.material)
     if region.density is not None and not _within(region.density, DENSITY):
         yield (
