@@ -213,6 +213,41 @@ def test_killed_worker_is_replaced(page):
     assert [own.pid for own in workers(page)] != [worker.pid]
 
 
+def test_typed_number_outside_its_range_is_reported(page):
+    own = page.run("return studio.scene.numbers[4]")
+    slider = page.browser.find_element("id", "number-4")
+    field = slider.find_element("xpath", "preceding-sibling::input")
+
+    def type_number(text):
+        # Ctrl+A, Delete, the text, Enter
+        field.send_keys("\ue009a\ue000", "\ue017", text, "\ue007")
+
+    def shown():
+        return field.get_property("value"), slider.find_element("xpath", "..").text
+
+    type_number("7.5")
+    page.wait(f"return studio.design[4] === {own['high']}")
+    value, text = shown()
+    assert float(value) == own["high"]
+    assert f"7.5 is outside the range of this page, {own['low']:g} to {own['high']:g}; " in text
+    assert f"; {own['high']:g} is used" in text
+    page.ready()
+    assert "outside" in shown()[1]
+    # no number: the value remains
+    type_number("")
+    assert shown()[0] == value
+    type_number("0.5")
+    page.wait("return studio.design[4] === 0.5")
+    assert "outside" not in shown()[1]
+    # another change of the number removes the message
+    type_number("-1")
+    page.wait(f"return studio.design[4] === {own['low']}")
+    assert "outside" in shown()[1]
+    page.number(4, 0.6)
+    page.wait("return studio.design[4] === 0.6")
+    page.wait("return !document.getElementById('sliders').innerText.includes('outside')")
+
+
 def test_two_pages_show_one_design(page, server):
     first = page.browser.current_window_handle
     page.browser.switch_to.new_window("window")

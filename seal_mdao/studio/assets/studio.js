@@ -432,7 +432,8 @@ function makeSliders() {
       const own = scene.numbers[p], row = document.createElement("label");
       row.className = "slider";
       row.innerHTML = `<span>${escaped(own.text)}${own.unit ? ` (${escaped(own.unit)})` : ""}</span>`;
-      const exactly = document.createElement("input"), range = document.createElement("input");
+      const exactly = document.createElement("input"), range = document.createElement("input"), note = document.createElement("small");
+      note.setAttribute("role", "status");
       Object.assign(exactly, { type: "number", step: "any" });
       Object.assign(range, { type: "range", min: own.low, max: own.high, step: "any", id: `number-${p}` });
       for (const input of [exactly, range]) input.setAttribute("aria-label", own.text);
@@ -442,6 +443,14 @@ function makeSliders() {
         design[p] = clipped(p, value);
         change(design, kind, since);
       };
+      // a typed number outside the range is replaced by the end of the range, which the page says
+      const type = () => {
+        const text = exactly.value, value = exactly.valueAsNumber;
+        set(value, "commit");
+        rows[p].noted = state.design[p];
+        exactly.value = typed(state.design[p]);
+        note.textContent = value < own.low || value > own.high ? `${text} is outside the range of this page, ${typed(own.low)} to ${typed(own.high)}${own.unit ? ` ${own.unit}` : ""}; ${exactly.value} is used` : "";
+      };
       range.addEventListener("input", (event) => set(Number(range.value), "drag", event.timeStamp));
       range.addEventListener("change", () => set(Number(range.value), "commit"));
       range.addEventListener("keydown", (event) => {
@@ -450,9 +459,9 @@ function makeSliders() {
         event.preventDefault();
         set(state.design[p] + sign * (event.shiftKey ? 0.05 : 0.01) * (own.high - own.low), "commit", event.timeStamp);
       });
-      exactly.addEventListener("change", () => set(Number(exactly.value), "commit"));
-      row.append(exactly, range);
-      rows[p] = { row, range, exactly };
+      exactly.addEventListener("change", type);
+      row.append(exactly, range, note);
+      rows[p] = { row, range, exactly, note };
       parts.push(row);
     }
   }
@@ -466,8 +475,9 @@ function typed(value) {
 }
 
 function showNumbers() {
-  rows.forEach(({ row, range, exactly }, p) => {
+  rows.forEach(({ row, range, exactly, note, noted }, p) => {
     const value = state.design[p];
+    if (value !== noted) note.textContent = "";
     if (Number(range.value) !== value) range.value = value;
     if (document.activeElement !== exactly) exactly.value = typed(value);
     row.classList.toggle("changed", value !== state.scene.numbers[p].value);
