@@ -32,6 +32,11 @@ def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
+    if history.run_starts:
+        print(
+            f"{len(history.run_starts) + 1} runs of the driver, separated in the figures; the first "
+            "design is that of the first run, the last design that of the last run"
+        )
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:

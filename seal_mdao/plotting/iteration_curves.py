@@ -54,7 +54,7 @@ def objective_history(history: RecordedOptimization) -> Figure:
 def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
     """Plot values (n,) of the objective over the iterations."""
     number, feasible = np.arange(len(values)), history.max_violation <= FEASIBLE
-    axes.plot(number, values, color=BLUE, zorder=2)
+    axes.plot(*_by_run(history, values), color=BLUE, zorder=2)
     for chosen, fill, text in (
         (feasible, BLUE, "all constraints satisfied"),
         (~feasible, "white", "a constraint violated by over 0.1 %"),
@@ -86,7 +86,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     # colour and marker change with every curve, the dash after all colours are used
     looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
     for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
-        axes.plot(use, color=color, marker=marker, linestyle=dash, label=text)
+        axes.plot(*_by_run(history, use), color=color, marker=marker, linestyle=dash, label=text)
     for constraint in history.constraints:
         _name_violation(axes, history, constraint)
     _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
@@ -115,7 +115,20 @@ def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) 
     )  # fmt: skip
 
 
+def _by_run(history: RecordedOptimization, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return numbers and values (n,) of the points, with NaN between runs of the driver."""
+    numbers = np.arange(len(values), dtype=float)
+    return tuple(np.insert(own, history.run_starts, np.nan) for own in (numbers, values))
+
+
 def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
+    """Label the axis of the points, and separate runs of the driver by dotted lines."""
+    for run, start in enumerate(history.run_starts, 2):
+        axes.axvline(start - 0.5, color=GREY, linestyle=":", linewidth=1.0, zorder=1)
+        axes.text(
+            start - 0.5, 0.99, f" run {run}", transform=axes.get_xaxis_transform(), va="top",
+            color=GREY, fontsize=9.0,
+        )  # fmt: skip
     axes.set_xlabel("major iteration" if history.major else "model evaluation")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 

@@ -136,6 +136,9 @@ class RecordedOptimization:
         Recorded evaluations that failed, or gave values that are not finite.
     analyses : ndarray, shape (n,)
         Number of the evaluation of each point, from 1; failed evaluations count.
+    run_starts : list of int
+        First point of the second and every further run of the driver. A continued run is part of the run
+        that it continues.
     """
 
     objective_name: str
@@ -153,6 +156,7 @@ class RecordedOptimization:
     kind: str = "optimisation"
     failed: int = 0
     analyses: np.ndarray | None = None
+    run_starts: list = field(default_factory=list)
 
     @property
     def cut_off(self) -> bool:
@@ -238,8 +242,9 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
 
 def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     model = read_model(database)
-    # successful cases of the driver
-    recorded = [case for _, case in read_driver_cases(database)]
+    # successful cases of the driver, which counts all cases from 0 in every run
+    numbered = read_driver_cases(database)
+    recorded = [case for _, case in numbered]
     evaluated = [case for case in recorded if not case.failure and _finite(model, case)]
     if not evaluated:
         raise ValueError(f"{path} contains no driver iterations; attach the recorder to the driver")
@@ -253,6 +258,7 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     cases, major = _points(database, model, evaluated, bool(runs) and runs[-1].cut_off)
     seals = read_seals(model, cases, given)
     numbers = {case.counter: number for number, case in enumerate(recorded, start=1)}
+    at = [numbers.get(case.counter, len(recorded)) for case in cases]
     # the first of several objectives
     objective_name, objective = next(iter(_stacked(model, cases, OBJECTIVE).items()))
     design = _stacked(model, cases, DESIGN)
@@ -274,7 +280,8 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
             name: _limits(model.variables[name] | {"equals": None}, values.shape[1])
             for name, values in design.items()
         },
-        analyses=np.array([numbers.get(case.counter, len(recorded)) for case in cases]),
+        analyses=np.array(at),
+        run_starts=_run_starts([count for count, _ in numbered], at),
     )
 
 
@@ -296,6 +303,14 @@ def _points(database, model, evaluated: list, cut_off: bool) -> tuple[list, bool
         if all(np.array_equal(end[name], value) for name, value in before.items()):
             cases.pop()
     return cases, True
+
+
+def _run_starts(counts, at) -> list[int]:
+    """Return the first points of further runs, from the driver's counts of all evaluations and the
+    numbers ``at`` of the evaluations of the points."""
+    # run of every evaluation: k = sum over j <= i of [count_j <= count_{j-1}]
+    run = np.cumsum(np.diff(counts, prepend=-1) <= 0)[np.array(at) - 1]
+    return (1 + np.flatnonzero(np.diff(run))).tolist()
 
 
 def _kind(driver: dict) -> str:

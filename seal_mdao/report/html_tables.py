@@ -117,6 +117,10 @@ def history_table(history: RecordedOptimization) -> str:
     objective = _heading(history, name) if unit_of(history, name) else "objective"
     kind = "iteration" if history.major else "evaluation"
     head = [kind, "evaluation number", objective, "largest violation"]
+    if history.run_starts:
+        head.append("run")
+        for i, row in enumerate(rows):
+            row.append(str(1 + sum(start <= i for start in history.run_starts)))
     return table(head, rows, "History")
 
 

@@ -161,6 +161,12 @@ def render(
 def warnings(history: RecordedOptimization, seals: list[ShownSeal]) -> list[str]:
     """List restrictions of the pictures and warnings of the analyses, as HTML."""
     found = []
+    if history.run_starts:
+        found.append(
+            f"The recorder file contains {len(history.run_starts) + 1} runs of the driver, which the "
+            "charts separate by dotted lines. The first design is that of the first run, the last "
+            "design that of the last run."
+        )
     # seals without shapes, and with assumed inputs
     for seal in history.seals:
         name, assumed = escape(seal.name or "the model"), escape(", ".join(seal.assumed))

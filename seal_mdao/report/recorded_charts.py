@@ -10,6 +10,7 @@ def history_data(history: RecordedOptimization) -> dict:
     name = history.objective_name
     return {
         "major": history.major,
+        "run_starts": history.run_starts,
         "analyses": history.analyses.tolist(),
         "objective": _named(history, name) | {"values": finite(history.objective)},
         "violation": finite(history.max_violation),

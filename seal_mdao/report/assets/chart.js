@@ -51,8 +51,9 @@ const finite = (values) => values.filter((v) => v !== null && Number.isFinite(v)
 
 /* A chart of lines over common or own abscissae.
 
-   spec: {name, x: {label, values, integer}, y: {label, log, low, high, format, ticks},
+   spec: {name, x: {label, values, integer, starts}, y: {label, log, low, high, format, ticks},
           series: [{name, values, x, color, dash, dots}], limits: [{at, text}], over: number, tip: (i) => html}
+   Lines are interrupted before the indices x.starts, at which further runs begin.
    Methods: set(values per series), cursor(index or null). */
 class LineChart {
   constructor(place, spec) {
@@ -153,6 +154,11 @@ class LineChart {
       node(svg, "line", { class: "axis", x1: scale.x(v), x2: scale.x(v), y1: scale.bottom, y2: scale.bottom + 4 });
       node(svg, "text", { x: scale.x(v), y: scale.bottom + 16, "text-anchor": "middle" }, readable(v));
     }
+    (x.starts || []).forEach((start, i) => {
+      const at = scale.x((x.values[start - 1] + x.values[start]) / 2);
+      node(svg, "line", { class: "run", x1: at, x2: at, y1: MARGIN.top, y2: scale.bottom });
+      node(svg, "text", { x: at + 4, y: MARGIN.top + 10 }, `run ${i + 2}`);
+    });
     node(svg, "text", { x: (MARGIN.left + scale.right) / 2, y: HEIGHT - 3, "text-anchor": "middle" }, x.label);
     if (over !== undefined && scale.high > over) {
       node(svg, "rect", { class: "over", x: MARGIN.left, width: scale.right - MARGIN.left, y: scale.y(scale.high), height: scale.y(over) - scale.y(scale.high) });
@@ -167,9 +173,10 @@ class LineChart {
   }
 
   drawSeries(lines, dots, series, scale) {
-    const xs = this.abscissa(series);
+    const xs = this.abscissa(series), { starts = [] } = this.spec.x;
     let path = "", down = false;
     series.values.forEach((v, i) => {
+      if (starts.includes(i)) down = false;
       if (v === null || (this.spec.y.log && v <= 0)) { down = false; return; }
       path += `${down ? "L" : "M"}${scale.x(xs[i]).toFixed(2)} ${scale.y(v).toFixed(2)}`;
       down = true;

@@ -164,7 +164,7 @@ function stressScale() {
 
 function histories() {
   const count = history.objective.values.length, numbers = Array.from({ length: count }, (_, i) => i);
-  const kind = history.major ? "iteration" : "evaluation", x = { label: kind, values: numbers, integer: true };
+  const kind = history.major ? "iteration" : "evaluation", x = { label: kind, values: numbers, integer: true, starts: history.run_starts };
   place("iteration-label").textContent = kind[0].toUpperCase() + kind.slice(1);
   const { objective, constraints, design, violation } = history, charts = [];
   const positive = objective.values.every((v) => v >= 0) && objective.values.some((v) => v > 0);
