@@ -6,7 +6,10 @@ import sqlite3
 import zlib
 from contextlib import closing
 
+import numpy as np
+import openmdao.api as om
 import pytest
+from restart.valley import record, valley_problem
 
 from seal_mdao.report.write import write_report
 
@@ -215,3 +218,25 @@ def test_markup_as_a_name_does_not_disable_the_page(browser, markup_page):
     assert browser.execute_script("return document.documentElement.dataset.ready") == "true"
     assert "<!--<script>" in browser.find_element("tag name", "body").text
     assert browser.get_log("browser") == []
+
+
+def test_no_mark_hides_a_violated_constraint(browser, tmp_path):
+    """|x|^2 <= 2 at designs so close that their points overlap."""
+    sizes = np.repeat([0.9, 0.5], 50)
+    designs = om.ListGenerator([[("x", np.full(3, size))] for size in sizes])
+    problem = record(valley_problem(om.DOEDriver(designs)), tmp_path / "cases.sql")
+    problem.run_driver()
+    problem.cleanup()
+    browser.get(write_report(tmp_path / "cases.sql").as_uri())
+    fills = (
+        "return [...document.querySelectorAll(`#objective svg > g${arguments[0]} circle`)]"
+        ".map((own) => own.style.fill)"
+    )
+    paper = ["var(--paper)"]
+    # violated ones are drawn last
+    shown = browser.execute_script(fills, "[clip-path]")
+    assert shown == ["var(--c0)"] * 50 + paper * 50
+    # the mark of the slider
+    for number, expected in ((0, paper), (99, ["var(--c0)"])):
+        browser.execute_script(MOVE, "iteration", number)
+        assert browser.execute_script(fills, ":not([clip-path])") == expected

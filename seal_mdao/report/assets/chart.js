@@ -183,12 +183,14 @@ class LineChart {
     });
     node(lines, "path", { class: "line", d: path, style: `stroke:${series.color}`, "stroke-dasharray": series.dash || "" });
     if (!series.dots) return;
-    series.values.forEach((v, i) => {
-      if (v === null || (this.spec.y.log && v <= 0)) return;
-      const hollow = series.hollow && series.hollow[i];
+    // hollow points last, so that no other point hides them
+    for (const hollow of [false, true]) series.values.forEach((v, i) => {
+      if (v === null || (this.spec.y.log && v <= 0) || this.isHollow(series, i) !== hollow) return;
       node(dots, "circle", { cx: scale.x(xs[i]), cy: scale.y(v), r: series.dots, style: `stroke:${series.color};stroke-width:1.6;fill:${hollow ? "var(--paper)" : series.color}` });
     });
   }
+
+  isHollow(series, i) { return Boolean(series.hollow && series.hollow[i]); }
 
   drawCursor() {
     this.mark.replaceChildren();
@@ -198,7 +200,9 @@ class LineChart {
     for (const series of this.spec.series) {
       const v = series.values[this.at];
       if (v === null || series.x || (this.spec.y.log && v <= 0)) continue;
-      node(this.mark, "circle", { cx: x, cy: scale.y(v), r: 4, style: `fill:${series.color};stroke:var(--paper);stroke-width:1.5` });
+      // a hollow point stays hollow
+      const [fill, edge] = this.isHollow(series, this.at) ? ["var(--paper)", series.color] : [series.color, "var(--paper)"];
+      node(this.mark, "circle", { cx: x, cy: scale.y(v), r: 4, style: `fill:${fill};stroke:${edge};stroke-width:1.5` });
     }
   }
 
