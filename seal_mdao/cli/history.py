@@ -1,4 +1,8 @@
-"""Draw the history of an optimisation and its designs from an OpenMDAO recorder file."""
+"""Draw the history of an optimisation and its designs from an OpenMDAO recorder file.
+
+Of a design of experiments, and of other cases that no optimiser has chosen, the command prints the range
+of every quantity and draws the best design.
+"""
 
 from pathlib import Path
 
@@ -12,6 +16,7 @@ from seal_mdao.cli.arguments import (
     seal_from,
     write_summary,
 )
+from seal_mdao.cli.history_cases import show_cases
 from seal_mdao.cli.history_figures import (
     draw_designs,
     draw_history,
@@ -32,16 +37,18 @@ def main(arguments) -> int:
     with checked_arguments():
         history = read_optimization(arguments.cases)
         ends = history.design_at(0), history.design_at(-1)
-    if history.run_starts:
-        print(
-            f"{len(history.run_starts) + 1} runs of the driver, separated in the figures; the first "
-            "design is that of the first run, the last design that of the last run"
-        )
     # the recorded seal; the options only for files without settings
     seal, cache = history.seal or seal_from(arguments), AnalysisCache()
     if history.seal:
         known = DOOR_SEAL in seal.description
         name_seal("door seal" if known else arguments.cases.name, seal)
+    if history.kind != "optimisation":
+        return show_cases(history, seal, cache, arguments.out)
+    if history.run_starts:
+        print(
+            f"{len(history.run_starts) + 1} runs of the driver, separated in the figures; the first "
+            "design is that of the first run, the last design that of the last run"
+        )
     initial, final = (cache.analyze(seal, *end) for end in ends)
     # any seal but the door seal: objective and constraints of its own
     if DOOR_SEAL not in seal.description:
@@ -78,7 +85,8 @@ def arguments_parser():
         "cases",
         type=Path,
         metavar="CASES.sql",
-        help="recorder file of an optimisation (SqliteRecorder of OpenMDAO)",
+        help="recorder file (SqliteRecorder of OpenMDAO) of an optimisation, or of a design of "
+        "experiments",
     )
     add_seal_arguments(made)
     made.epilog += ". Options that describe the seal are used only if the recorder file does not "

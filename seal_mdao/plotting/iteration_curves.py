@@ -53,8 +53,9 @@ def objective_history(history: RecordedOptimization) -> Figure:
 
 def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
     """Plot values (n,) of the objective over the iterations."""
-    number, feasible = np.arange(len(values)), history.max_violation <= FEASIBLE
-    axes.plot(*_by_run(history, values), color=BLUE, zorder=2)
+    number, feasible = _numbers(history, len(values)), history.max_violation <= FEASIBLE
+    if history.kind == "optimisation":
+        axes.plot(*_by_run(history, values), color=BLUE, zorder=2)
     for chosen, fill, text in (
         (feasible, BLUE, "all constraints satisfied"),
         (~feasible, "white", "a constraint violated by over 0.1 %"),
@@ -86,8 +87,9 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
     # colour and marker change with every curve, the dash after all colours are used
     looks = itertools.product(("-", "--", ":"), zip(CYCLE, MARKERS, strict=True))
     for (text, use), (dash, (color, marker)) in zip(uses.items(), looks, strict=False):
+        dash = dash if history.kind == "optimisation" else ""
         axes.plot(*_by_run(history, use), color=color, marker=marker, linestyle=dash, label=text)
-    for constraint in history.constraints:
+    for constraint in history.constraints if history.kind == "optimisation" else ():
         _name_violation(axes, history, constraint)
     _shade_violated(axes, np.concatenate([[1.0], *uses.values()]))
     axes.set_ylabel("utilisation of the limit (1: at the limit)")
@@ -117,19 +119,26 @@ def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) 
 
 def _by_run(history: RecordedOptimization, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return numbers and values (n,) of the points, with NaN between runs of the driver."""
-    numbers = np.arange(len(values), dtype=float)
-    return tuple(np.insert(own, history.run_starts, np.nan) for own in (numbers, values))
+    pair = _numbers(history, len(values)), values
+    return tuple(np.insert(own.astype(float), history.run_starts, np.nan) for own in pair)
+
+
+def _numbers(history: RecordedOptimization, count: int) -> np.ndarray:
+    """Return the abscissae of the points: iterations from 0, or numbers of the cases from 1."""
+    return np.arange(count) if history.kind == "optimisation" else history.analyses
 
 
 def _iteration_axis(axes: Axes, history: RecordedOptimization) -> None:
     """Label the axis of the points, and separate runs of the driver by dotted lines."""
     for run, start in enumerate(history.run_starts, 2):
-        axes.axvline(start - 0.5, color=GREY, linestyle=":", linewidth=1.0, zorder=1)
+        between = _numbers(history, len(history.objective))[start] - 0.5
+        axes.axvline(between, color=GREY, linestyle=":", linewidth=1.0, zorder=1)
         axes.text(
-            start - 0.5, 0.99, f" run {run}", transform=axes.get_xaxis_transform(), va="top",
+            between, 0.99, f" run {run}", transform=axes.get_xaxis_transform(), va="top",
             color=GREY, fontsize=9.0,
         )  # fmt: skip
-    axes.set_xlabel("major iteration" if history.major else "model evaluation")
+    kind = "major iteration" if history.major else "model evaluation"
+    axes.set_xlabel(kind if history.kind == "optimisation" else "case")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 

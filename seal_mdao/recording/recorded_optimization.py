@@ -139,6 +139,8 @@ class RecordedOptimization:
     run_starts : list of int
         First point of the second and every further run of the driver. A continued run is part of the run
         that it continues.
+    maximized : bool
+        Whether the objective is maximised: its scaling is negative.
     """
 
     objective_name: str
@@ -157,6 +159,7 @@ class RecordedOptimization:
     failed: int = 0
     analyses: np.ndarray | None = None
     run_starts: list = field(default_factory=list)
+    maximized: bool = False
 
     @property
     def cut_off(self) -> bool:
@@ -184,6 +187,16 @@ class RecordedOptimization:
         """Largest relative constraint violation, shape (n,)."""
         none = np.zeros(len(self.objective))
         return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
+
+    @property
+    def best(self) -> int:
+        """Index of the best point: that with the best objective among those that satisfy the
+        constraints; if there is none, that with the smallest violation."""
+        feasible = self.max_violation <= FEASIBLE
+        if not feasible.any():
+            return int(self.max_violation.argmin())
+        cost = -self.objective if self.maximized else self.objective
+        return int(np.where(feasible, cost, np.inf).argmin())
 
     def design_at(self, index: int) -> tuple[np.ndarray, dict]:
         """Return boundary offsets (mm) and scalar parameters of the first seal at a point, as arguments
@@ -281,6 +294,7 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
             for name, values in design.items()
         },
         analyses=np.array(at),
+        maximized=(model.variables[objective_name].get("total_scaler") or 1.0) < 0.0,
         run_starts=_run_starts([count for count, _ in numbered], at),
     )
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from functools import partial
 
 import numpy as np
 import openmdao.api as om
@@ -10,6 +11,8 @@ from openmdao.core.driver import Driver
 from penalty_warnings import further_warnings
 
 import seal_mdao as sm
+from seal_mdao import plotting
+from seal_mdao.cli.history_cases import case_lines, case_numbers
 from seal_mdao.recording.recorded_optimization import read_optimization
 from seal_mdao.report.page import title
 from seal_mdao.report.write import write_report
@@ -45,7 +48,7 @@ class MySeal(sm.SealGroup):
         self.connect("gap_square_sum", "cost.gaps")
 
 
-def upstream(group):
+def upstream(group, limit=1.2, ref=None):
     """A length in metres before the seal, an inch for the door, and a cost behind it."""
     group.add_subsystem("bulges", Bulge(), promotes_inputs=["bulge"])
     group.add_subsystem("rubber", sm.SealGroup(seal=SEAL, parameters=("friction",)))
@@ -54,8 +57,8 @@ def upstream(group):
     group.connect("rubber.gap_square_sum", "price.gaps")
     group.add_design_var("bulge", lower=-0.2, upper=0.2, units="mm")
     group.add_design_var("rubber.door_radius", lower=0.14, upper=0.18, units="inch")
-    group.add_constraint("rubber.area", upper=1.2, units="cm**2")
-    group.add_objective("price.cost")
+    group.add_constraint("rubber.area", upper=limit, units="cm**2")
+    group.add_objective("price.cost", ref=ref)
 
 
 def ran(build, folder, recorder=sm.RestartRecorder, driver=None, values=()):
@@ -216,6 +219,52 @@ def test_doe_is_no_optimisation(tmp_path):
     assert "<h1>Design of experiments with cost</h1>" in text
     assert "2 points with values, 1 failed." in text
     assert "of its start" not in text.partition("<section")[0]
+
+
+def bulges(folder, sizes, **settings):
+    """Recorder file of a design of experiments with bulges of some sizes, mm."""
+    driver = om.DOEDriver(om.ListGenerator([[("bulge", size)] for size in sizes]))
+    return ran(partial(upstream, **settings), folder, driver=driver)[0]
+
+
+def test_history_of_a_doe_gives_ranges_and_the_best_case(tmp_path, run_script, capsys):
+    path = bulges(tmp_path, [0.1, 1.0, -0.1, 0.0])
+    history = read_optimization(path)
+    area = history.constraints[0].values
+    code, summary = run_script("history", tmp_path / "out", path)
+    assert (code, summary["cases"], summary["failed"], summary["feasible"]) == (0, 3, 1, 3)
+    best = int(history.objective.argmin())
+    case, value = [1, 3, 4][best], history.objective[best]
+    assert (summary["best"]["case"], summary["best"]["objective"]) == (case, value)
+    np.testing.assert_allclose(summary["boundary_offsets"], history.design_at(best)[0])
+    said = capsys.readouterr().out
+    assert "design of experiments: 3 cases with values, 1 failed" in said
+    assert "->" not in said
+    assert "bulge: -0.1 to 0.1 mm\n" in said
+    assert f"area of the section: {area.min():.6g} to {area.max():.6g} cm², ≤ 1.2: " in said
+    assert "satisfied by 3 of 3" in said
+    lowest = (
+        f"case {case} has the lowest cost of the 3 that satisfy all constraints: cost {value:.6g}"
+    )
+    assert lowest in said
+    drawn = {own.stem for own in (tmp_path / "out").glob("*.png")}
+    assert drawn == {"objective_cases", "constraint_cases", "best"}
+    axes = plotting.objective_history(history).axes[0]
+    assert [line.get_linestyle() for line in axes.lines] == ["None"]
+    assert axes.lines[0].get_xdata().tolist() == [1, 3, 4]
+
+
+def test_best_case_of_a_doe_satisfies_the_constraints(tmp_path):
+    areas = np.sort([SEAL.area(size * bulge_shape())[0] / 100.0 for size in (-0.1, 0.0, 0.1)])
+    # a larger cost is better
+    sizes = [0.1, -0.1, 0.0]
+    history = read_optimization(bulges(tmp_path, sizes, limit=areas[:2].mean(), ref=-1.0))
+    assert history.maximized
+    assert history.best == history.constraints[0].values.argmin()
+    history = read_optimization(bulges(tmp_path, sizes, limit=0.9 * areas[0]))
+    assert history.best == history.constraints[0].values.argmin()
+    last = case_lines(history, case_numbers(history))[-1]
+    assert last.startswith("no case satisfies all constraints; case 2 has the smallest violation")
 
 
 def test_run_of_a_model_is_no_optimisation(tmp_path):

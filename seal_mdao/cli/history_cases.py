@@ -1,0 +1,116 @@
+"""Print and draw a recorded design of experiments, or other cases that no optimiser has chosen."""
+
+from pathlib import Path
+
+import numpy as np
+
+from seal_mdao import plotting
+from seal_mdao.analysis_cache import AnalysisCache
+from seal_mdao.cli.arguments import penalty_table, write_summary
+from seal_mdao.recording.recorded_optimization import (
+    FEASIBLE,
+    RecordedOptimization,
+    label,
+    unit_of,
+)
+
+KINDS = {"doe": "design of experiments", "runs": "runs of a model"}
+
+
+def show_cases(history: RecordedOptimization, seal, cache: AnalysisCache, out: Path) -> int:
+    """Print the range of every recorded quantity and the best case, and draw the objective, the
+    constraints and the best design."""
+    best = history.best
+    design = history.design_at(best)
+    result, numbers = cache.analyze(seal, *design), case_numbers(history)
+    write_summary(
+        out,
+        numbers
+        | {"penalty_error": penalty_table(result), "warnings": result.warnings}
+        | {"boundary_offsets": design[0], **design[1]},
+    )
+    figures = {
+        "objective_cases": plotting.objective_history(history),
+        "best": plotting.deformed_shapes(result),
+    }
+    if history.constraints:
+        figures["constraint_cases"] = plotting.constraint_history(history)
+    for name, figure in figures.items():
+        plotting.save(figure, out / f"{name}.png")
+    for line in case_lines(history, numbers):
+        print(line)
+    for text in result.warnings:
+        print(f"WARNING (case {numbers['best']['case']}): {text}")
+    print(f"figures and summary.json in {out}")
+    return 0
+
+
+def case_numbers(history: RecordedOptimization) -> dict:
+    """Collect the ranges of all quantities and the best case for summary.json."""
+    best, name = history.best, history.objective_name
+    ranges = {name: _range(history, name, history.objective)}
+    for own in history.constraints:
+        ranges[own.name] = _range(history, own.name, own.values) | {
+            "lower": own.lower, "upper": own.upper,
+            "satisfied": int((own.violation() <= FEASIBLE).sum()),
+        }  # fmt: skip
+    ranges |= {own: _range(history, own, values) for own, values in history.design.items()}
+    return {
+        "kind": KINDS[history.kind],
+        "cases": len(history.objective),
+        "failed": history.failed,
+        "feasible": int((history.max_violation <= FEASIBLE).sum()),
+        "ranges": ranges,
+        "best": {
+            "case": int(history.analyses[best]),
+            "objective": history.objective[best],
+            "max_constraint_violation": history.max_violation[best],
+            "design": {own: values[best] for own, values in history.design.items()},
+        },
+    }
+
+
+def _range(history: RecordedOptimization, name: str, values: np.ndarray) -> dict:
+    return {"unit": unit_of(history, name), "lowest": values.min(), "highest": values.max()}
+
+
+def case_lines(history: RecordedOptimization, numbers: dict) -> list[str]:
+    """Describe all cases: their number, a line for each quantity, and the best case."""
+    cases, best, feasible = numbers["cases"], numbers["best"], numbers["feasible"]
+    runs = f" in {len(history.run_starts) + 1} runs" if history.run_starts else ""
+    lines = [
+        f"{numbers['kind']}: {cases} case{'s' * (cases > 1)} with values{runs}, "
+        f"{numbers['failed']} failed"
+    ]
+    for name, row in numbers["ranges"].items():
+        size = history.design[name].shape[1] if name in history.design else 1
+        ends = " to ".join(dict.fromkeys(f"{row[end]:.6g}" for end in ("lowest", "highest")))
+        text = f"{label(name)}{f' ({size} values)' if size > 1 else ''}: {ends} {row['unit']}"
+        lines.append(text.rstrip() + _satisfied(row, cases))
+    name, unit = label(history.objective_name), unit_of(history, history.objective_name)
+    side = "highest" if history.maximized else "lowest"
+    if not feasible:
+        text = (
+            f"no case satisfies all constraints; case {best['case']} has the smallest violation, "
+            f"{best['max_constraint_violation']:.2%} of a limit"
+        )
+    elif feasible == 1:
+        text = f"case {best['case']} is the only one that satisfies all constraints"
+    else:
+        text = (
+            f"case {best['case']} has the {side} {name} "
+            f"of the {feasible} that satisfy all constraints"
+        )
+    return [*lines, f"{text}: {name} {best['objective']:.6g} {unit}".rstrip()]
+
+
+def _satisfied(row: dict, cases: int) -> str:
+    """Name the limits of a constraint and count the cases that satisfy them; empty without limits."""
+    limits = [
+        f"{sign} {row[side]:.6g}"
+        for side, sign in (("lower", "≥"), ("upper", "≤"))
+        if np.isfinite(row.get(side, np.inf))
+    ]
+    if not limits:
+        return ""
+    return f", {' and '.join(limits)}: satisfied by {row['satisfied']} of {cases}"
