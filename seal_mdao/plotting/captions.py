@@ -9,9 +9,11 @@ from datetime import UTC, datetime
 
 from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.sponge import GradedSponge
-from seal_mdao.seals.conditions import conditions_text
+from seal_mdao.seals.conditions import DEGREES, SECONDS, conditions_text
+from seal_mdao.structure.environment import TEMPERATURE
 
-_SEALS: ContextVar[dict[str, str] | None] = ContextVar("seals", default=None)
+_SEALS: ContextVar[dict | None] = ContextVar("seals", default=None)
+_VARIED: ContextVar[tuple[str, ...]] = ContextVar("varied", default=())
 _DATE: ContextVar[str] = ContextVar("date", default="")
 
 
@@ -26,12 +28,16 @@ def captioned(seals: Mapping[str, str] | None = None, date: str = "") -> Iterato
     date : str, optional
         Date of stored values that the figures show; without it ``today``.
     """
-    token, day = _SEALS.set(dict(seals or {})), _DATE.set(date)
+    tokens = {
+        _SEALS: _SEALS.set(dict(seals or {})),
+        _DATE: _DATE.set(date),
+        _VARIED: _VARIED.set(()),
+    }
     try:
         yield
     finally:
-        _SEALS.reset(token)
-        _DATE.reset(day)
+        for variable, token in tokens.items():
+            variable.reset(token)
 
 
 def today() -> str:
@@ -49,31 +55,51 @@ def name_seal(name: str, seal) -> None:
     """Add a ``Seal`` or a ``SealFile`` to the captions of the block, if any."""
     seals = _SEALS.get()
     if seals is not None:
-        seals[name] = seal_text(seal)
+        seals[name] = seal
 
 
 def name_varied(names: Collection[str]) -> None:
-    """Add parameters that vary between results to every seal in the captions of the block, if any."""
-    seals = _SEALS.get() or {}
-    for name in seals if names else ():
-        seals[name] += f", varied: {', '.join(names)}"
+    """Add parameters, or numbers of a seal file by their paths, that vary between results to every seal
+    in the captions of the block; their nominal values are left out."""
+    if _SEALS.get() is not None:
+        _VARIED.set(tuple(names))
 
 
-def seal_text(seal) -> str:
-    """Describe materials and environment at the end of the path of a ``Seal`` or ``SealFile``."""
+def seal_text(seal, varied: Collection[str] = ()) -> str:
+    """Describe materials and environment at the end of the path of a ``Seal`` or ``SealFile``, without
+    the values of ``varied`` quantities, which are named."""
+    # names of conditions without units: those of the parameters
+    keys, known = {DEGREES: TEMPERATURE, SECONDS: "duration"}, seal.conditions()
+    quantities = set(_quantities(varied))
+    conditions = {k: own for k, own in known.items() if keys.get(k, k) not in quantities}
     # a seal of a file knows its conditions, the file also the part that planes of symmetry leave
-    more = (getattr(seal, "part", ""), conditions_text(seal.conditions()))
-    return ", ".join([materials_text(seal.materials), *filter(None, more)])
+    more = (getattr(seal, "part", ""), conditions_text(conditions))
+    end = f"varied: {', '.join(varied)}" if varied else ""
+    return ", ".join(filter(None, [materials_text(seal.materials, quantities), *more, end]))
 
 
-def materials_text(materials: Mapping[str, object]) -> str:
-    """Describe materials by their names and laws, such as ``foot (Mooney-Rivlin)``."""
-    return ", ".join(f"{name} ({_law_text(law)})" for name, law in materials.items())
+def _quantities(names: Collection[str]) -> Iterator[str]:
+    """List the parameters that names, or paths of numbers of a seal file, may stand for, without the
+    numbers of stages: ``foot_swelling`` and ``swelling`` for ``material.foot.swelling.2``."""
+    for name in names:
+        parts = re.sub(r"[._]\d+$", "", name).split(".")
+        yield from (parts[-1], "_".join(parts[-2:]))
 
 
-def _law_text(law) -> str:
+def materials_text(materials: Mapping[str, object], varied: Collection[str] = ()) -> str:
+    """Describe materials by their names and laws, such as ``foot (Mooney-Rivlin)``; without hardnesses
+    that are ``varied``."""
+    found = []
+    for name, law in materials.items():
+        # the only material of a seal has no prefix
+        hardness = f"{name}_shore_a" if len(materials) > 1 else "shore_a"
+        found.append(f"{name} ({_law_text(law, hardness in varied)})")
+    return ", ".join(found)
+
+
+def _law_text(law, varied: bool) -> str:
     if isinstance(law, ShoreRubber):
-        return f"{law.shore_a:g} Shore A"
+        return "Shore A" if varied else f"{law.shore_a:g} Shore A"
     if isinstance(law, GradedSponge):
         return "foam of ASTM D1056"
     # MooneyRivlin: Mooney-Rivlin
@@ -82,8 +108,9 @@ def _law_text(law) -> str:
 
 def caption(most: int = 200) -> str:
     """Return the caption of the block, of at most ``most`` characters; empty without a seal."""
-    seals = _SEALS.get()
-    return caption_of(seals, most) if seals else ""
+    seals, varied = _SEALS.get() or {}, _VARIED.get()
+    texts = {n: own if isinstance(own, str) else seal_text(own, varied) for n, own in seals.items()}
+    return caption_of(texts, most) if texts else ""
 
 
 def caption_of(seals: Mapping[str, str], most: int = 200) -> str:

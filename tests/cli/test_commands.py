@@ -447,6 +447,8 @@ def test_analyses_and_captions_say_at_which_temperature_they_are(
     assert set(drawn) == {f"{named} | 2023-11-14"}
     drawn.clear()
     assert main(["sweep", str(bulb), "--vary", "temperature", "60:80:2", "--out", str(out)]) == 0
+    # not the temperature of the file, which is that of none of the analyses
+    named = named.replace(" 60 °C,", "")
     varied = {f"{named}, varied: temperature | 2023-11-14"}
     assert set(drawn) == varied
     drawn.clear()

@@ -10,7 +10,14 @@ from seal_mdao import plotting
 from seal_mdao.materials.hardness import ShoreRubber
 from seal_mdao.materials.mooney_rivlin import MooneyRivlin
 from seal_mdao.materials.sponge import graded_sponge
-from seal_mdao.plotting.captions import caption, captioned, materials_text, name_seal, name_varied
+from seal_mdao.plotting.captions import (
+    caption,
+    captioned,
+    materials_text,
+    name_seal,
+    name_varied,
+    seal_text,
+)
 from seal_mdao.plotting.style import add_caption, subplots
 from seal_mdao.report.embedded_figure import embedded
 
@@ -57,7 +64,42 @@ def test_environment_and_varied_parameters_are_named():
         name_varied([])
         assert caption() == f"{named} | 2023-11-14"
         name_varied(["temperature", "c10"])
-        assert caption() == f"{named}, varied: temperature, c10 | 2023-11-14"
+        without = named.replace(" -20 °C,", "")
+        assert caption() == f"{without}, varied: temperature, c10 | 2023-11-14"
+
+
+@pytest.mark.parametrize(
+    ("varied", "left"),
+    [
+        (["friction"], "foot (60 Shore A), lip (70 Shore A), 40 °C, after 10 s, foot swelling 1.1"),
+        (
+            ["foot_shore_a"],
+            "foot (Shore A), lip (70 Shore A), 40 °C, after 10 s, foot swelling 1.1",
+        ),
+        (
+            ["material.lip.shore_a", "model.temperature"],
+            "foot (60 Shore A), lip (Shore A), after 10 s, foot swelling 1.1",
+        ),
+        (
+            ["duration_2", "material.foot.swelling"],
+            "foot (60 Shore A), lip (70 Shore A), 40 °C",
+        ),
+        (
+            ["profile.door.stage.2.duration", "temperature_2", "material.lip.swelling"],
+            "foot (60 Shore A), lip (70 Shore A), foot swelling 1.1",
+        ),
+    ],
+)
+def test_nominal_values_of_varied_quantities_are_left_out(varied, left):
+    laws = {"foot": ShoreRubber(60.0), "lip": ShoreRubber(70.0)}
+    given = {"temperature_degC": 40.0, "time_s": 10.0, "foot_swelling": 1.1}
+    with captioned():
+        name_seal("bulb", Described(laws, given))
+        name_varied(varied)
+        assert caption() == f"bulb: {left}, varied: {', '.join(varied)} | 2023-11-14"
+    laws = {"rubber": ShoreRubber(60.0)}
+    for name in ("shore_a", "material.rubber.shore_a"):
+        assert seal_text(Described(laws, {}), [name]) == f"rubber (Shore A), varied: {name}"
 
 
 def test_stored_values_have_their_own_date():
