@@ -16,7 +16,7 @@ from seal_mdao.measures.reaction import Reaction
 from seal_mdao.optimization import Limit, Task
 from seal_mdao.rkpm.cells import in_both_directions
 from seal_mdao.seals.file.chosen import chosen_for
-from seal_mdao.seals.file.described import named_in
+from seal_mdao.seals.file.described import FILE, FILE_NAME, named_in
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.design_parameters import dependent_parameters, inverting_limits
 from seal_mdao.seals.outline.layers import ENOUGH, thin_wall
@@ -26,6 +26,7 @@ from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empt
 from seal_mdao.seals.seal import Seal
 
 CHOSEN = "chosen"
+CHECKSUMS = "checksums"
 """What a recorder file calls particles, load steps and penalties that were chosen, as ``build_seal``
 takes them."""
 
@@ -237,12 +238,11 @@ def design_warnings(file: SealFile, seal: OutlineSeal) -> tuple[str, ...]:
 
 
 def problem_settings(file: SealFile) -> dict:
-    """Return what a recorder file stores of the seal file: its text, and checksums of the files
-    that it names."""
-    text, folder = file.path.read_text(encoding="utf-8"), file.path.parent
+    """Return what a recorder file stores of the seal file: its name, its tables, and checksums of the
+    files that it names."""
+    tables, folder = tomllib.loads(file.path.read_text(encoding="utf-8")), file.path.parent
     # drawing, cloud, tests of materials, target curves
     sums = {
-        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
-        for name in named_in(tomllib.loads(text))
+        name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in named_in(tables)
     }
-    return {"seal_file": text, "checksums": sums}
+    return {FILE_NAME: file.path.name, FILE: tables, CHECKSUMS: sums}

@@ -23,6 +23,7 @@ from seal_mdao.recording.recorded_seals import PROBLEM_OPTION, recorded_settings
 from seal_mdao.recording.recorder import RestartRecorder, record_all
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.recording.restart import restart
+from seal_mdao.seals.file.described import FILE_NAME
 from seal_mdao.seals.result import SealResult
 from seal_mdao.seals.seal import Seal
 
@@ -269,7 +270,9 @@ def continue_run(problem: om.Problem, cases: Path) -> None:
         When another problem is recorded there (``RestartError`` by ``restart``).
     """
     mine = json.loads(problem.model.options[PROBLEM_OPTION])
-    if recorded_settings(open_model(cases)) != mine:
+    recorded = recorded_settings(open_model(cases))
+    # a seal file may have another name
+    if recorded | {FILE_NAME: ""} != mine | {FILE_NAME: ""}:
         raise ValueError(
             f"{cases} was recorded in the optimisation of another problem (seal file, options, "
             "scenarios or goal); restart with the settings of the recorded optimisation, or begin "

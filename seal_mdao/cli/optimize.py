@@ -32,6 +32,7 @@ from seal_mdao.cli.seal_files import file_errors, file_of, filled, seal_of
 from seal_mdao.drivers.optimizer_driver import INTERRUPTED
 from seal_mdao.export.csv_tables import write_boundary
 from seal_mdao.file_optimization import (
+    CHECKSUMS,
     CHOSEN,
     design_warnings,
     file_task,
@@ -47,6 +48,8 @@ from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
 from seal_mdao.report.embedded_figure import figure_section
 from seal_mdao.report.write import write_report
+from seal_mdao.seals.file.described import FILE, FILE_NAME
+from seal_mdao.seals.file.differences import differences
 from seal_mdao.seals.file.export import require_writers, write_design
 from seal_mdao.seals.gaps import largest_gaps, unmeasured_gaps
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
@@ -148,13 +151,8 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
     with checked_arguments():
         # seal file and settings as recorded
         recorded = recorded_settings(open_model(cases))
-    chosen = recorded.pop(CHOSEN, None)
-    # the design variables mean the same only for the same file
-    if recorded != problem_settings(file):
-        raise WrongArgumentError(
-            f"--restart: {arguments.file} has changed since {cases} was recorded with it; restore "
-            "the file of the recorded run, or begin a new run without --restart"
-        )
+        require_same_file(file, cases, recorded)
+    chosen = recorded.get(CHOSEN)
     optimizer = recorded_optimizer(cases) or arguments.optimizer
     # the recorded iterations belong to one optimiser
     if "optimizer" in arguments.given and optimizer != arguments.optimizer:
@@ -163,6 +161,34 @@ def continued(cases: Path, file, arguments) -> tuple[str, dict | None]:
             "restart uses the recorded optimiser; leave this argument out"
         )
     return optimizer, chosen
+
+
+def require_same_file(file, cases: Path, recorded: dict) -> None:
+    """Require that a seal file has the contents of the file in the ``recorded`` settings of a run: the
+    design variables mean the same only then.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not isinstance(recorded.get(FILE), dict):
+        raise ValueError(f"--restart: {cases} does not contain the tables of a seal file")
+    now, name = problem_settings(file), recorded.get(FILE_NAME)
+    found = [differences(recorded[FILE], now[FILE])]
+    before, after = (dict(own.get(CHECKSUMS, ())) for own in (recorded, now))
+    found += [f"the content of {own} differs" for own in after if before.get(own) != after[own]]
+    found = "; ".join(filter(None, found))
+    if not found:
+        return
+    if name == file.path.name:
+        what = f"{file.path} has changed since {cases} was recorded with it"
+        cure = "restore the file of the recorded run"
+    else:
+        what = (
+            f"{cases} was recorded with another seal file, {name}, from which {file.path} differs"
+        )
+        cure = "give the file of the recorded run"
+    raise ValueError(f"--restart: {what} ({found}); {cure}, or begin a new run without --restart")
 
 
 def force_section(file, seal, results, out: Path) -> str:

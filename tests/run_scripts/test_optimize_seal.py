@@ -144,9 +144,17 @@ def test_files_that_ask_for_nothing_take_one_line(changes, word, tmp_path, run_s
 
 def test_only_the_same_run_is_continued(stopped, tmp_path, run_script, capsys):
     out, *_ = stopped
-    other = written(tmp_path, {"upper = 18.0": "upper = 19.0"})
+    same = {"[0.0, 14.45]": "[0.0, 14.5]"}
+    other = written(tmp_path, same | {"upper = 18.0": "upper = 19.0"})
+    changed = (
+        f"--restart: {other} has changed since {out / 'cases.sql'} was recorded with it "
+        "(optimize.constraint.1.upper was 18.0 and is 19.0); restore"
+    )
+    lip = other.with_name("lip.toml")
+    lip.write_text(other.read_text(encoding="utf-8"), encoding="utf-8")
+    another = f"was recorded with another seal file, seal.toml, from which {lip} differs (optimize"
     for arguments, word in (
-        ((other,), "has changed since"), ((out / "seal.toml", "--optimizer", "ipopt"), "UNO"),
+        ((other,), changed), ((lip,), another), ((out / "seal.toml", "--optimizer", "ipopt"), "UNO"),
     ):  # fmt: skip
         with pytest.raises(SystemExit) as ended:
             run_script("optimize", out, *arguments, "--restart", out / "cases.sql")
@@ -165,7 +173,10 @@ def test_run_is_continued_in_another_folder(stopped, tmp_path, run_script):
     out, _, before = stopped
     cases = out / "cases.sql"
     content = cases.read_bytes()
-    arguments = (out / "seal.toml", "--restart", cases, "--max-iterations", 4)
+    # comments and the name of the file do not matter
+    same = tmp_path / "same.toml"
+    same.write_text("# again\n" + (out / "seal.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    arguments = (same, "--restart", cases, "--max-iterations", 4)
     _, s = run_script("optimize", tmp_path, *arguments)
     assert s["history"][:3] == before["history"][:3]
     assert s["iterations"] == 4

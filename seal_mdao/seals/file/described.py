@@ -12,7 +12,10 @@ from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.outline.outline_seal import OutlineSeal
 
 FILE = "seal_file"
-"""Key of the text of the file among the settings of a seal."""
+"""Key of the text of the file among the settings of a seal, and of its tables among those of a
+problem."""
+FILE_NAME = "file_name"
+"""Key of the name of the file among the settings of a problem."""
 CONTENTS = "_contents"
 """Attribute of a ``SealFile`` for what was read."""
 MOST_BYTES = 50 * 2**20
