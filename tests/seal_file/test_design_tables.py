@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from exact_gradients import require_exact
+from ring_files import cylinder
 
 import seal_mdao as sm
 from seal_mdao.cli.design_table import design_lines
@@ -238,6 +239,17 @@ def test_equal_designs_add_up(tmp_path):
     seal = unchosen_seal(file)
     both, one = seal.particles(np.array([0.1, 0.05])), seal.particles(np.array([0.15, 0.0]))
     np.testing.assert_allclose(both, one, rtol=0.0, atol=1e-14)
+
+
+def test_parameters_at_a_joint_have_the_edge_that_moves(tmp_path):
+    """The axis does not move, and of both sides of a corner the one whose normal is the direction."""
+    path = tmp_path / "cylinder.toml"
+    tables = '[[design]]\nedges = ["top"]\nparameters = 3\nbound = 0.1\n'
+    path.write_text(f"{cylinder()}{tables}[[design]]\nvertex = [2.0, 2.0]\nbound = 0.1\n")
+    found = design_parameters(unchosen_seal(sm.read_seal_file(path)))
+    assert found[2].place == (0.0, 2.0)
+    assert [own.edge for own in found] == ["top", "top", "top", "side", "top"]
+    assert {own.direction for own in found} == {"out of the rubber"}
 
 
 def test_printed_table_of_the_parameters(designed, monkeypatch):

@@ -30,7 +30,8 @@ class DesignParameter(NamedTuple):
     table : int
         Number of its ``[[design]]``, from 1.
     edge : str
-        Edge of the point that moves most.
+        Edge of the point that moves most; where two edges meet, the one that moves more along its
+        normal.
     place : tuple of float
         This point, mm.
     direction : str
@@ -58,7 +59,11 @@ def design_parameters(seal: OutlineSeal) -> list[DesignParameter]:
     if not seal.n_offsets:
         return []
     points, normals, velocity = _boundary(seal)
-    edges = np.concatenate([own.edge for own in seal.boundaries])
+    # sides before and after every point: unit tangents t (k, 2, 2), edges
+    tangents = np.concatenate([own.tangent for own in seal.boundaries])
+    edges = np.concatenate(
+        [np.column_stack([np.roll(own.edge, 1), own.edge]) for own in seal.boundaries]
+    )
     by_offset = seal.area(np.zeros(seal.n_offsets))[1]
     tables = _tables(seal)
     found = []
@@ -66,9 +71,13 @@ def design_parameters(seal: OutlineSeal) -> list[DesignParameter]:
         size = np.hypot(*own.T)
         # mirror images move alike: the first of them, whatever the rounding
         at = int(np.flatnonzero(size >= (1.0 - SAME) * size.max())[0])
+        # |V . n| = |V_x t_y - V_y t_x| of both sides
+        (x, y), (before, after) = own[at], tangents[at]
+        across = abs(x * before[1] - y * before[0]), abs(x * after[1] - y * after[0])
+        side = 0 if across[0] > across[1] + SAME * size[at] else 1
         found.append(
             DesignParameter(
-                index, int(tables[index]), str(edges[at]), _pair(points[at]),
+                index, int(tables[index]), str(edges[at, side]), _pair(points[at]),
                 _direction(own[at] @ normals[at], size[at]), _pair(own[at]), float(size[at]),
                 float(by_offset[index]),
             )
