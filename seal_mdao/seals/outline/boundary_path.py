@@ -8,6 +8,9 @@ import numpy as np
 
 SAME = 1e-3
 """Largest distance of two curves that are mirror images of each other, mm."""
+SYMMETRIC = 5e-4
+"""The same over their length, where it is larger: a symmetric design that is written is a spline through
+particles that need not be mirror images of each other."""
 PROJECTION_STEPS = 12
 """Newton steps of a projection; quadratic convergence from the nearest sampled point."""
 
@@ -142,4 +145,4 @@ class BoundaryPath:
         if other.stretch.closed:
             c = other.project(plane.image(own[0]))[0]
         away = other.at(c - self.along) - plane.image(own)
-        return c if np.hypot(*away.T).max() <= SAME else None
+        return c if np.hypot(*away.T).max() <= max(SAME, SYMMETRIC * self.length) else None
