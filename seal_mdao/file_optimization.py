@@ -25,8 +25,9 @@ from seal_mdao.seals.outline.section_cloud import LONGEST, Kernels, OutlineCloud
 from seal_mdao.seals.result import SealResult, analyze, frozen_measures, is_empty
 from seal_mdao.seals.seal import Seal
 
-CHOSEN = "chosen"
 CHECKSUMS = "checksums"
+"""What a recorder file calls the checksums of the files that a seal file names."""
+CHOSEN = "chosen"
 """What a recorder file calls particles, load steps and penalties that were chosen, as ``build_seal``
 takes them."""
 

@@ -300,8 +300,8 @@ def unresolved_contacts(result) -> tuple[str, ...]:
 
 
 def _is_narrow(result, profile: str, around: np.ndarray) -> bool:
-    """Return whether the pressure falls much beside its peak, but not at a pressed corner, of which
-    another warning tells."""
+    """Return whether the pressure falls much beside its peak, but not at a pressed corner, which has a
+    warning of its own."""
     if _pressed_corners(result, profile).size:
         return False
     return fall_beside_peak(result.response(profile).gap, around) > LARGEST_FALL
