@@ -37,6 +37,7 @@ LEAK = (
     "pressure = 10.0"
 )
 HOLE = '[[section.hole]]\nhole = 2\nedge = "second"\ncircle = { centre = '
+SAME_HOLE = HOLE.replace("hole = 2\n", "")
 FIXED = '[fixed]\nedges = ["base"]\n'
 SYMMETRY = '[[symmetry]]\nedges = ["base"]\nnormal = "y"\n'
 SQUARE = "".join(
@@ -340,6 +341,8 @@ BAD = {
                      "crosses hole 1, edge 'cavity',"),
     "overlapping holes": ("[fixed]", HOLE + "[4.0, 7.0], radius = 1.0 }\n[fixed]",
                           "hole 1, edge 'cavity', crosses hole 2, edge 'second', at"),
+    "two holes in one": ("[fixed]", SAME_HOLE + "[4.0, 7.0], radius = 1.0 }\n[fixed]",
+                         "use arcs to connect other segments; segments of another hole need hole = 2"),
     "hole in a hole": ("[fixed]", HOLE + "[0.0, 7.0], radius = 1.0 }\n[fixed]", "lies inside of hole 1"),
     "hole zero": ("[fixed]", (HOLE + "[0.0, 7.0], radius = 1.0 }\n[fixed]").replace("= 2", "= 0"),
                   "hole = 0, but it must be a whole number from 1 to"),

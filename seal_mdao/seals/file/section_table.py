@@ -23,6 +23,7 @@ from seal_mdao.seals.file.forms import (
 )
 from seal_mdao.seals.file.schema import Table, key, known, rows, table
 from seal_mdao.seals.file.segment_tables import PieceTable
+from seal_mdao.seals.outline.arcs import Circle
 from seal_mdao.seals.outline.cloud_file import read_cloud
 from seal_mdao.seals.outline.contours import JOIN, Contour, Outline
 from seal_mdao.seals.outline.dxf import Drawing, read_drawing
@@ -283,7 +284,7 @@ class WrittenSection(Table):
             _contour("[[section.outer]]" + (f" of body {n}" if len(bodies) > 1 else ""), own)
             for n, own in sorted(bodies.items())
         ]
-        inner = [_contour(f"[[section.hole]] of hole {n}", own) for n, own in sorted(holes.items())]
+        inner = [_hole(n, own, 1 + max(holes)) for n, own in sorted(holes.items())]
         try:
             return Outline(outer[0], tuple(inner), tuple(outer[1:]))
         except GeometryError as error:
@@ -366,6 +367,18 @@ def _contour(where, segments) -> Contour:
         return Contour(tuple(segments))
     except GeometryError as error:
         raise SealFileError(f"{where}: {error}") from None
+
+
+def _hole(number: int, segments, unused: int) -> Contour:
+    """Make the contour of a hole. A circle beside other segments may be another hole, of a number that
+    is ``unused``."""
+    where = f"[[section.hole]] of hole {number}"
+    try:
+        return _contour(where, segments)
+    except SealFileError as error:
+        if len(segments) == 1 or not any(isinstance(own, Circle) for own in segments):
+            raise
+        raise SealFileError(f"{error}; segments of another hole need hole = {unused}") from None
 
 
 def _placed(where: str, region: RegionTable, drawing: Drawing) -> RegionTable:
