@@ -15,52 +15,62 @@ from seal_mdao.recording.recorded_optimization import (
 )
 
 KINDS = {"doe": "design of experiments", "runs": "runs of a model"}
+LISTED = 20
+"""Cases that a line lists."""
 
 
 def show_cases(history: RecordedOptimization, seal, cache: AnalysisCache, out: Path) -> int:
     """Print the range of every recorded quantity and the best case, and draw the objective, the
-    constraints and the best design."""
-    best = history.best
-    design = history.design_at(best)
-    result, numbers = cache.analyze(seal, *design), case_numbers(history)
-    write_summary(
-        out,
-        numbers
-        | {"penalty_error": penalty_table(result), "warnings": result.warnings}
-        | {"boundary_offsets": design[0], **design[1]},
-    )
-    figures = {
-        "objective_cases": plotting.objective_history(history),
-        "best": plotting.deformed_shapes(result),
-    }
+    constraints and the best design; without an objective the constraints only."""
+    numbers, figures, warnings = case_numbers(history), {}, ()
+    summary = numbers
+    if history.objective_name:
+        design = history.design_at(history.best)
+        result = cache.analyze(seal, *design)
+        warnings = result.warnings
+        summary = (
+            numbers
+            | {"penalty_error": penalty_table(result), "warnings": warnings}
+            | {"boundary_offsets": design[0], **design[1]}
+        )
+        figures["objective_cases"] = plotting.objective_history(history)
+        figures["best"] = plotting.deformed_shapes(result)
+    write_summary(out, summary)
     if history.constraints:
         figures["constraint_cases"] = plotting.constraint_history(history)
     for name, figure in figures.items():
         plotting.save(figure, out / f"{name}.png")
     for line in case_lines(history, numbers):
         print(line)
-    for text in result.warnings:
+    for text in warnings:
         print(f"WARNING (case {numbers['best']['case']}): {text}")
-    print(f"figures and summary.json in {out}")
+    print(f"{'figures and ' if figures else ''}summary.json in {out}")
     return 0
 
 
 def case_numbers(history: RecordedOptimization) -> dict:
-    """Collect the ranges of all quantities and the best case for summary.json."""
-    best, name = history.best, history.objective_name
-    ranges = {name: _range(history, name, history.objective)}
+    """Collect the ranges of all quantities, and the best case if there is an objective, for
+    summary.json."""
+    name, feasible = history.objective_name, history.max_violation <= FEASIBLE
+    ranges = {name: _range(history, name, history.objective)} if name else {}
     for own in history.constraints:
         ranges[own.name] = _range(history, own.name, own.values) | {
             "lower": own.lower, "upper": own.upper,
             "satisfied": int((own.violation() <= FEASIBLE).sum()),
         }  # fmt: skip
     ranges |= {own: _range(history, own, values) for own, values in history.design.items()}
-    return {
+    numbers = {
         "kind": KINDS[history.kind],
         "cases": len(history.objective),
         "failed": history.failed,
-        "feasible": int((history.max_violation <= FEASIBLE).sum()),
+        "feasible": int(feasible.sum()),
+        "feasible_cases": history.analyses[feasible].tolist(),
         "ranges": ranges,
+    }
+    if not name:
+        return numbers
+    best = history.best
+    return numbers | {
         "best": {
             "case": int(history.analyses[best]),
             "objective": history.objective[best],
@@ -76,7 +86,7 @@ def _range(history: RecordedOptimization, name: str, values: np.ndarray) -> dict
 
 def case_lines(history: RecordedOptimization, numbers: dict) -> list[str]:
     """Describe all cases: their number, a line for each quantity, and the best case."""
-    cases, best, feasible = numbers["cases"], numbers["best"], numbers["feasible"]
+    cases, feasible = numbers["cases"], numbers["feasible"]
     runs = f" in {len(history.run_starts) + 1} runs" if history.run_starts else ""
     lines = [
         f"{numbers['kind']}: {cases} case{'s' * (cases > 1)} with values{runs}, "
@@ -87,6 +97,9 @@ def case_lines(history: RecordedOptimization, numbers: dict) -> list[str]:
         ends = " to ".join(dict.fromkeys(f"{row[end]:.6g}" for end in ("lowest", "highest")))
         text = f"{label(name)}{f' ({size} values)' if size > 1 else ''}: {ends} {row['unit']}"
         lines.append(text.rstrip() + _satisfied(row, cases))
+    if not history.objective_name:
+        return lines + _feasible_cases(numbers) if history.constraints else lines
+    best = numbers["best"]
     name, unit = label(history.objective_name), unit_of(history, history.objective_name)
     side = "highest" if history.maximized else "lowest"
     if not feasible:
@@ -102,6 +115,16 @@ def case_lines(history: RecordedOptimization, numbers: dict) -> list[str]:
             f"of the {feasible} that satisfy all constraints"
         )
     return [*lines, f"{text}: {name} {best['objective']:.6g} {unit}".rstrip()]
+
+
+def _feasible_cases(numbers: dict) -> list[str]:
+    """List the first cases that satisfy all constraints, and count the others."""
+    found = numbers["feasible_cases"]
+    if not found:
+        return ["no case satisfies all constraints"]
+    more = f" and {len(found) - LISTED} more" if len(found) > LISTED else ""
+    text = f"{len(found)} of {numbers['cases']} satisfy all constraints: "
+    return [text + f"case{'s' * (len(found) > 1)} {', '.join(map(str, found[:LISTED]))}{more}"]
 
 
 def _satisfied(row: dict, cases: int) -> str:

@@ -110,7 +110,9 @@ class RecordedOptimization:
     Attributes
     ----------
     objective_name : str
+        Empty for a design of experiments, or runs, without an objective.
     objective : ndarray, shape (n,)
+        NaN without an objective.
     constraints : list of Constraint
     design : dict of str to ndarray
         Design variables along the history, (n, size) each.
@@ -191,7 +193,7 @@ class RecordedOptimization:
     @property
     def best(self) -> int:
         """Index of the best point: that with the best objective among those that satisfy the
-        constraints; if there is none, that with the smallest violation."""
+        constraints; if there is none, that with the smallest violation. It needs an objective."""
         feasible = self.max_violation <= FEASIBLE
         if not feasible.any():
             return int(self.max_violation.argmin())
@@ -247,7 +249,7 @@ def read_optimization(path, given: dict | None = None) -> RecordedOptimization:
     ------
     ValueError
         For a file that does not exist, is no recorder file, is damaged, or has no successful case of a
-        driver.
+        driver; for an optimisation without an objective.
     """
     with reading(path) as database:
         return _read(database, path, given)
@@ -261,7 +263,8 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     evaluated = [case for case in recorded if not case.failure and _finite(model, case)]
     if not evaluated:
         raise ValueError(f"{path} contains no driver iterations; attach the recorder to the driver")
-    if not model.values(evaluated[0], OBJECTIVE):
+    kind = _kind(model.driver)
+    if kind == "optimisation" and not model.values(evaluated[0], OBJECTIVE):
         raise ValueError(
             f"{path} contains no objective; set record_objectives of the driver's "
             "recording_options to True"
@@ -273,7 +276,9 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
     numbers = {case.counter: number for number, case in enumerate(recorded, start=1)}
     at = [numbers.get(case.counter, len(recorded)) for case in cases]
     # the first of several objectives
-    objective_name, objective = next(iter(_stacked(model, cases, OBJECTIVE).items()))
+    none = "", np.full((len(cases), 1), np.nan)
+    objective_name, objective = next(iter(_stacked(model, cases, OBJECTIVE).items()), none)
+    scaling = model.variables[objective_name].get("total_scaler") if objective_name else None
     design = _stacked(model, cases, DESIGN)
     return RecordedOptimization(
         objective_name=objective_name,
@@ -284,7 +289,7 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
         evaluations=len(recorded),
         seal=seals[0].seal if seals else None,
         seals=seals,
-        kind=_kind(model.driver),
+        kind=kind,
         failed=len(recorded) - len(evaluated),
         settings=recorded_settings(model),
         runs=runs,
@@ -294,7 +299,7 @@ def _read(database: PlainDatabase, path, given) -> RecordedOptimization:
             for name, values in design.items()
         },
         analyses=np.array(at),
-        maximized=(model.variables[objective_name].get("total_scaler") or 1.0) < 0.0,
+        maximized=(scaling or 1.0) < 0.0,
         run_starts=_run_starts([count for count, _ in numbered], at),
     )
 

@@ -73,7 +73,10 @@ def _cell(cell) -> str:
 
 
 def limits_table(history: RecordedOptimization) -> str:
-    """Tabulate objective and constraints at the first and at the last point of the recorder file."""
+    """Tabulate objective and constraints at the first and at the last point of an optimisation; of other
+    cases their ranges."""
+    if history.kind != "optimisation":
+        return _ranges_table(history)
     first, last = history.objective[[0, -1]]
     # the objective has no limit: its ratio to the start in that column
     ratio = percent(last / first) if first else NO_VALUE
@@ -88,6 +91,22 @@ def limits_table(history: RecordedOptimization) -> str:
         ])  # fmt: skip
     head = ["recorded quantity", "start", "end", "limit", "end / limit", ""]
     return table(head, rows, "Recorded objective and constraints")
+
+
+def _ranges_table(history: RecordedOptimization) -> str:
+    """Tabulate the ranges of objective and constraints, and how many points satisfy each constraint."""
+    rows, count = [], len(history.objective)
+    if history.objective_name:
+        rows.append([_heading(history, history.objective_name), *_range(history.objective), "", ""])
+    for own in history.constraints:
+        satisfied = f"{(own.violation() <= FEASIBLE).sum()} of {count}"
+        rows.append([_heading(history, own.name), *_range(own.values), _limits(own), satisfied])
+    head = ["recorded quantity", "lowest", "highest", "limit", "satisfied by"]
+    return table(head, rows, "Recorded objective and constraints") if rows else ""
+
+
+def _range(values: np.ndarray) -> tuple[str, str]:
+    return number(values.min()), number(values.max())
 
 
 def _heading(history: RecordedOptimization, name: str) -> str:
@@ -106,17 +125,17 @@ def _limits(constraint) -> str:
 
 def history_table(history: RecordedOptimization) -> str:
     """Tabulate objective and largest violation of every point, for reading and copying."""
+    name = history.objective_name
     rows = [
-        [str(i), str(analysis), number(value, 6), percent(violation)]
+        [str(i), str(analysis), *([number(value, 6)] if name else []), percent(violation)]
         for i, (analysis, value, violation) in enumerate(
             zip(history.analyses, history.objective, history.max_violation, strict=True)
         )
     ]
-    name = history.objective_name
     # without a unit the column is named by its role
     objective = _heading(history, name) if unit_of(history, name) else "objective"
     kind = "iteration" if history.major else "evaluation"
-    head = [kind, "evaluation number", objective, "largest violation"]
+    head = [kind, "evaluation number", *([objective] if name else []), "largest violation"]
     if history.run_starts:
         head.append("run")
         for i, row in enumerate(rows):

@@ -219,7 +219,12 @@ def title(history: RecordedOptimization) -> str:
     # settings of seal_problem or of a seal file are in the file
     if history.settings and history.kind == "optimisation":
         return "Shape of a seal"
-    return f"{KINDS[history.kind]} {label(history.objective_name)}"
+    name = history.objective_name
+    return (
+        f"{KINDS[history.kind]} {label(name)}"
+        if name
+        else KINDS[history.kind].removesuffix(" with")
+    )
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:
@@ -259,8 +264,11 @@ def key_figures(
     """List name, value and explanation of the figures at the top of the page."""
     name, values, short = label(history.objective_name), history.objective, tables.number
     if history.kind != "optimisation":
+        points = ("points", str(len(values)), f"{history.failed} failed")
+        if not history.objective_name:
+            return [points]
         return [
-            ("points", str(len(values)), f"{history.failed} failed"),
+            points,
             (f"lowest {name}", short(values.min(), 3), f"point {values.argmin()}"),
             (f"highest {name}", short(values.max(), 3), f"point {values.argmax()}"),
         ]

@@ -12,7 +12,9 @@ def history_data(history: RecordedOptimization) -> dict:
         "major": history.major,
         "run_starts": history.run_starts,
         "analyses": history.analyses.tolist(),
-        "objective": _named(history, name) | {"values": finite(history.objective)},
+        "objective": _named(history, name) | {"values": finite(history.objective)}
+        if name
+        else None,
         "violation": finite(history.max_violation),
         "constraints": [
             _named(history, own.name)

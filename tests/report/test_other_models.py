@@ -218,6 +218,11 @@ def test_doe_is_no_optimisation(tmp_path):
     text, _ = shapes(path)
     assert "<h1>Design of experiments with cost</h1>" in text
     assert "2 points with values, 1 failed." in text
+    head = ("recorded quantity", "lowest", "highest", "limit", "satisfied by")
+    assert "".join(f'<th scope="col">{own}</th>' for own in head) in text
+    (area,) = history.constraints
+    lowest, highest = np.sort(area.values)
+    assert f"<td>{lowest:.4g}</td><td>{highest:.4g}</td><td>≤ 1.2</td><td>2 of 2</td>" in text
     assert "of its start" not in text.partition("<section")[0]
 
 
@@ -272,14 +277,65 @@ def test_run_of_a_model_is_no_optimisation(tmp_path):
     assert "<h1>Runs of a model with cost</h1>" in shapes(path)[0]
 
 
-def test_file_without_an_objective_is_refused_in_a_line(tmp_path):
-    def build(model):
-        model.add_subsystem("seal", sm.SealGroup(seal=SEAL), promotes=["*"])
-        model.add_design_var("door_radius", lower=3.5, upper=4.5)
-
-    path, _ = ran(build, tmp_path, driver=om.DOEDriver(om.ListGenerator([[("door_radius", 4.1)]])))
+def test_optimisation_without_a_recorded_objective_is_refused_in_a_line(tmp_path):
+    driver = om.ScipyOptimizeDriver(maxiter=1, disp=False)
+    driver.recording_options["record_objectives"] = False
+    path, _ = ran(upstream, tmp_path, driver=driver)
     with pytest.raises(ValueError, match="contains no objective"):
         write_report(path)
+
+
+def without_objective(group, constrained=True):
+    """Radii of the door in a design of experiments that minimises nothing."""
+    group.add_subsystem("seal", sm.SealGroup(seal=SEAL), promotes=["*"])
+    group.add_design_var("door_radius", lower=3.5, upper=4.5)
+    if constrained:
+        group.add_constraint("gap_square_sum", upper=1.0)
+        group.add_constraint("area", lower=50.0)
+
+
+def radii(folder, *found, **settings):
+    driver = om.DOEDriver(om.ListGenerator([[("door_radius", radius)] for radius in found]))
+    return ran(partial(without_objective, **settings), folder, driver=driver)[0]
+
+
+def test_history_of_a_doe_without_an_objective(tmp_path, run_script, capsys):
+    path = radii(tmp_path, 3.8, 4.1)
+    gaps = read_optimization(path).constraints[0].values
+    assert np.ptp(gaps) > 0.0
+    code, summary = run_script("history", tmp_path / "out", path)
+    assert (code, summary["cases"], summary["feasible_cases"]) == (0, 2, [1, 2])
+    assert "best" not in summary
+    said = capsys.readouterr().out
+    limit = (
+        f"sum of squared gaps: {gaps.min():.6g} to {gaps.max():.6g} mm², ≤ 1: satisfied by 2 of 2"
+    )
+    assert limit in said
+    assert "corner radius of the door: 3.8 to 4.1 mm\n" in said
+    assert "2 of 2 satisfy all constraints: cases 1, 2\n" in said
+    assert {own.stem for own in (tmp_path / "out").glob("*.png")} == {"constraint_cases"}
+
+
+def test_report_of_a_doe_without_an_objective(tmp_path, browser):
+    path = radii(tmp_path, 3.8, 4.1)
+    text, data = shapes(path)
+    assert "<h1>Design of experiments</h1>" in text
+    assert '<th scope="col">evaluation number</th><th scope="col">largest violation</th>' in text
+    assert data["history"]["objective"] is None
+    browser.get(path.with_name("report.html").as_uri())
+    assert browser.execute_script("return document.documentElement.dataset.ready") == "true"
+    assert not browser.find_element("id", "objective").is_displayed()
+    assert browser.find_element("id", "constraints").is_displayed()
+    assert browser.find_element("id", "iteration-value").text == "1 of 1: violation 0 %"
+    assert browser.get_log("browser") == []
+
+
+def test_doe_without_objective_and_constraints(tmp_path, run_script, capsys):
+    path = radii(tmp_path, 4.1, constrained=False)
+    assert "<h1>Design of experiments</h1>" in shapes(path)[0]
+    code, summary = run_script("history", tmp_path / "out", path)
+    assert (code, list(summary["ranges"])) == (0, ["door_radius"])
+    assert "satisf" not in capsys.readouterr().out
 
 
 def test_subclass_of_the_group(tmp_path):

@@ -163,17 +163,21 @@ function stressScale() {
 // ---- through the iterations ----
 
 function histories() {
-  const count = history.objective.values.length, numbers = Array.from({ length: count }, (_, i) => i);
+  const count = history.violation.length, numbers = Array.from({ length: count }, (_, i) => i);
   const kind = history.major ? "iteration" : "evaluation", x = { label: kind, values: numbers, integer: true, starts: history.run_starts };
   place("iteration-label").textContent = kind[0].toUpperCase() + kind.slice(1);
   const { objective, constraints, design, violation } = history, charts = [];
-  const positive = objective.values.every((v) => v >= 0) && objective.values.some((v) => v > 0);
-  const spread = positive && Math.max(...objective.values) > 20 * Math.min(...objective.values);
-  charts.push(new LineChart(place("objective"), {
-    name: `Objective: ${objective.label}`, x, y: { label: objective.label, log: spread },
-    series: [{ name: objective.label, values: objective.values, color: color(0), dots: 4, hollow: violation.map((v) => v > 1e-3) }],
-  }));
-  caption("objective", `${objective.label}${unitText(objective.unit)}`);
+  if (objective) {
+    const positive = objective.values.every((v) => v >= 0) && objective.values.some((v) => v > 0);
+    const spread = positive && Math.max(...objective.values) > 20 * Math.min(...objective.values);
+    charts.push(new LineChart(place("objective"), {
+      name: `Objective: ${objective.label}`, x, y: { label: objective.label, log: spread },
+      series: [{ name: objective.label, values: objective.values, color: color(0), dots: 4, hollow: violation.map((v) => v > 1e-3) }],
+    }));
+    caption("objective", `${objective.label}${unitText(objective.unit)}`);
+  } else {
+    place("objective").parentElement.hidden = true;
+  }
   if (constraints.length) {
     charts.push(new LineChart(place("constraints"), {
       name: "Constraints divided by their limits", x, y: { label: "value / limit" }, over: 1, limits: [{ at: 1, text: "limit" }],
@@ -237,8 +241,8 @@ function iterations() {
   const { objective, violation } = history;
   const show = (index) => {
     charts.forEach((chart) => chart.cursor(index));
-    const value = `${readable(objective.values[index])}${objective.unit ? ` ${objective.unit}` : ""}`;
-    place("iteration-value").textContent = `${index} of ${count - 1}: ${value}, violation ${readable(100 * violation[index], 3)} %`;
+    const value = objective ? `${readable(objective.values[index])}${objective.unit ? ` ${objective.unit}` : ""}, ` : "";
+    place("iteration-value").textContent = `${index} of ${count - 1}: ${value}violation ${readable(100 * violation[index], 3)} %`;
     if (pictures) pictures.show(index, `${kind} ${index}`);
   };
   slider("iteration", count, count - 1, show, 550);
