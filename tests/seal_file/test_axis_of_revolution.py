@@ -184,6 +184,35 @@ def test_an_edge_that_touches_the_axis_does_not_move_along_x(tmp_path, table):
         read(tmp_path, pulled(0.0, "top", (0.2, -0.1), table))
 
 
+def held_by(tmp_path, fixed, inner=0.0):
+    """The file of a ring of which the outside moves along y, held by another table ``[fixed]``."""
+    text = pulled(inner, "side", (0.0, -0.1))
+    return read(tmp_path, text.replace('edges = ["base"]\ndirections = ["y"]\n', fixed))
+
+
+@pytest.mark.parametrize(
+    "fixed", ['edges = ["inside"]\n', 'edges = ["base", "inside"]\ndirections = ["y"]\n']
+)
+def test_the_axis_is_no_support_along_y(tmp_path, fixed):
+    """A force on a line causes an infinite displacement there; between particles it is finite."""
+    words = (
+        r"\[fixed\] prescribes displacements along y of the edge 'inside', which lies on the axis"
+    )
+    with pytest.raises(sm.SealFileError, match=words):
+        held_by(tmp_path, fixed)
+
+
+@pytest.mark.parametrize(("directions", "inner"), [('["x", "y"]', 0.5), ('["x"]', 0.0)])
+def test_an_edge_beside_the_axis_may_be_fixed_and_the_axis_along_x(tmp_path, directions, inner):
+    fixed = f'edges = ["inside"]\ndirections = {directions}\n'
+    assert held_by(tmp_path, fixed, inner).axisymmetric
+
+
+def test_the_axis_is_not_glued_to_a_profile(tmp_path):
+    with pytest.raises(sm.SealFileError, match=r"\('plate'\) prescribes displacements along y"):
+        read(tmp_path, pulled(0.0, "inside", (0.0, -0.1), GLUED))
+
+
 def test_an_edge_does_not_move_beyond_the_axis(tmp_path):
     assert read(tmp_path, pulled(0.5, "inside", (-0.3, 0.0))).axisymmetric
     with pytest.raises(sm.SealFileError, match=r"moves the edge 'inside' to x = -0\.1, but a body"):

@@ -152,7 +152,7 @@ def _check_section(outline: Outline) -> None:
 
 
 def _check_edges_on_axis(file) -> None:
-    """Refuse contact, fluids, designs and motions of edges on the axis."""
+    """Refuse contact, fluids, designs, motions and axial supports of edges on the axis."""
     on_axis = set(axis_edges(file.section.outline))
     named = [(f"[[profile]] {i}: contact", own.contact) for i, own in enumerate(file.profiles, 1)]
     for i, own in enumerate(file.designs, 1):
@@ -168,6 +168,15 @@ def _check_edges_on_axis(file) -> None:
                 raise SealFileError(
                     f"{where} contains the edge {name!r}, which lies on the axis of revolution and is "
                     "not a surface; remove this edge"
+                )
+    for where, names, components, *_ in held(file):
+        for name in names if AXIAL in components else ():
+            if name in on_axis:
+                raise SealFileError(
+                    f"{where} prescribes displacements along y of the edge {name!r}, which lies on the "
+                    "axis of revolution and is not a surface: the force of such a support depends on "
+                    "the particle spacing; remove this edge from the table and prescribe another one "
+                    "(edges on the axis stay there without a table)"
                 )
 
 
