@@ -668,3 +668,42 @@ def test_an_edge_whose_name_parameters_cannot_have(tmp_path, old, new, where):
         f"{where}: parameters are named after the edge '1 side', which therefore needs a name of"
         in (str(caught.value))
     )
+
+
+CORNERS = [(4.0, 0.0), (6.0, 10.0), (3.0, 14.0), (-3.0, 14.0), (-6.0, 10.0), (-4.0, 0.0)]
+SEGMENTS = '[[section.outer]]\nedge = "'.join(
+    f'{name}"\nline = [[{x}, {y}], [{u}, {v}]]\n'
+    for name, (x, y), (u, v) in zip("abcde", CORNERS, CORNERS[1:], strict=False)
+)
+"""Five edges, a to e, from one end of the base to the other, in place of the arc."""
+
+
+@pytest.mark.parametrize(
+    ("contact", "fixed", "words"),
+    [
+        (["a", "c"], ["base"], "add 'b' between them, or a second [[profile]]"),
+        (["e", "c", "a"], ["base"], "add 'b', 'd' between them, or a second"),
+        (["a", "e"], ["base"], "add 'b', 'c', 'd' between them, or a second"),
+        (
+            ["b", "d"],
+            ["base", "c"],
+            "of the boundary; add a second [[profile]] with the same curve",
+        ),
+        (
+            ["b", "cavity"],
+            ["base"],
+            "of the boundary; add a second [[profile]] with the same curve",
+        ),
+    ],
+)
+def test_edges_that_are_missing_between_edges_in_contact_are_named(tmp_path, contact, fixed, words):
+    text = BULB.replace(f'"seal"\n{ARC}\n', f'"{SEGMENTS}').replace(
+        'contact = ["seal"]', f"contact = {contact}"
+    )
+    text = text.replace('edges = ["seal", "cavity"]', 'edges = ["cavity"]')
+    (tmp_path / "seal.toml").write_text(text.replace('["base"]', str(fixed)))
+    with pytest.raises(
+        sm.SealFileError, match=re.escape("is not one connected part of the boundary")
+    ) as caught:
+        sm.read_seal_file(tmp_path / "seal.toml")
+    assert words in str(caught.value)

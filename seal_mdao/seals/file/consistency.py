@@ -78,6 +78,28 @@ def _stretch(names, outline: Outline) -> tuple[Contour | None, bool]:
     return None, False
 
 
+def _between(names, file) -> tuple[str, ...]:
+    """Find the edges between edges of one contour that connect them; empty if one of these is fixed."""
+    outline = file.section.outline
+    every = next((c.edge_names for c in outline.contours if set(names) <= set(c.edge_names)), ())
+    if not every:
+        return ()
+
+    def fixed(edges):
+        return any(len(file.supports.get(name, ())) == 2 for name in edges)
+
+    def length(edges):
+        return sum(segment.length for name in edges for segment in outline.edge(name))
+
+    # runs of other edges round the contour, of which one remains: a fixed one, else the longest
+    first, runs = every.index(names[0]), [()]
+    for name in (*every[first:], *every[:first]):
+        runs = [*runs, ()] if name in names else [*runs[:-1], (*runs[-1], name)]
+    _, *others = sorted(runs, key=lambda run: (fixed(run), length(run)), reverse=True)
+    found = tuple(name for run in runs if run in others for name in run)
+    return () if fixed(found) else found
+
+
 def _check_supports(file) -> None:
     """Refuse edges that are held twice, or that lie in no plane of symmetry."""
     outline, own = file.section.outline, file.fixed_edges
@@ -432,10 +454,12 @@ def _check_contact(where: str, profile, file) -> None:
     if isinstance(profile.friction, FrictionByGroup):
         check_friction_by_edge(where, profile)
     if _stretch(profile.contact, file.section.outline)[0] is None:
+        between = ", ".join(map(repr, _between(profile.contact, file)))
         raise SealFileError(
             f"{where}: contact = {', '.join(profile.contact)} is not one connected part of the "
-            "boundary; add a second [[profile]] with the same curve and motion for the edges of "
-            "the other part"
+            "boundary; add "
+            + f"{between} between them, or " * bool(between)
+            + "a second [[profile]] with the same curve and motion for the edges of the other part"
         )
 
 
