@@ -23,7 +23,14 @@ NAMED = 3
 """Contact states and points that a message names; it counts the others."""
 
 
-def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
+AT_START = 1e-8
+"""Gap at the start that is zero, over the size of the body: a profile that touches in a seal file starts
+2e-9 above it (``seals.file.clearance``)."""
+
+
+def warn_of_kinks(
+    path: PathResult, measured: Collection[int], velocity=None, from_start: bool = False
+) -> None:
     """Issue one ``KinkWarning`` where contact is at a kink at a step that measures depend on.
 
     Parameters
@@ -32,12 +39,18 @@ def warn_of_kinks(path: PathResult, measured: Collection[int]) -> None:
     measured : collection of int
         Indices in ``path.steps`` at which something is measured. Where the path is history
         dependent, the steps before them count as well.
+    velocity : ndarray, shape (P, n, 2), optional
+        Of the particles, for the designs with respect to which measures are differentiated.
+    from_start : bool
+        Whether a measure depends on the force at the start of the path.
     """
     # without history only the measured steps matter
     steps = sorted(measured)
     if path.problem.history_dependent:
         steps = range(max(measured, default=-1) + 1)
     found = [text for index in steps for text in _kinks_at(path, index, index in measured)]
+    if velocity is not None and measured and (from_start or path.problem.history_dependent):
+        found = [*_kinks_at_start(path, velocity, from_start), *found]
     if not found:
         return
     more = f"; and {len(found) - NAMED} more" if len(found) > NAMED else ""
@@ -87,6 +100,40 @@ def _kinks_at(path: PathResult, index: int, measured: bool) -> list[str]:
             if points.size:
                 at = f"{term.label!r} at load step {step.fraction:.6g}"
                 found.append(f"{at}: {what} at {_named(term, points)}")
+    return found
+
+
+def _kinks_at_start(path: PathResult, velocity: np.ndarray, measured: bool) -> list[str]:
+    """Describe the points that touch a profile at the start and that a design moves towards it.
+
+    A design that moves them into the profile has a preliminary increment (``seals.clear_start``): its
+    force at the start is w_n l |dg|, and points stick or slip from there on.
+    """
+    start, found = path.start, []
+    if path.preliminary:
+        return found
+    size = float(np.ptp(path.discretization.particles, axis=0).max())
+    for number, term in enumerate(path.problem.terms):
+        response, following = start.responses[number], path.steps[0].responses[number]
+        if not isinstance(response.history, ContactHistory) or not hasattr(term, "motion"):
+            continue
+        zero = np.abs(response.outputs) <= AT_START * size
+        if not zero.any():
+            continue
+        near = response._replace(outputs=np.where(zero, 0.0, response.outputs))
+        kinks = term.kinks(near, start.fraction, start.before[number], following)
+        # dg/db = n . dx/db, n along the force w_n l n
+        rates = term.where.moving.rates(path.discretization.particles, velocity)[kinks.touching]
+        forces = kinks.forces[np.arange(kinks.touching.size), kinks.touching]
+        by_design = np.abs(np.einsum("ti,tip->tp", forces, rates)).max(axis=1, initial=0.0)
+        least = SLIGHT * np.hypot(*forces.T) * np.abs(velocity).max(initial=0.0)
+        moved = by_design > least
+        if not measured:
+            moved &= kinks.slips | _passes_on(path, term, kinks, start, path.steps[0])
+        if moved.any():
+            found.append(
+                f"{term.label!r} at the start: zero gap at {_named(term, kinks.touching[moved])}"
+            )
     return found
 
 

@@ -105,7 +105,7 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
     if not measures:
         return Sensitivities(offsets + names, {})
     wanted = Wanted(result, measures)
-    warn_of_kinks(result.path, wanted.stack.seeds)
+    wanted.warn_of_kinks()
     count = len(velocity) + len(names)
     # fewer right-hand sides: measures or parameters
     if method == "auto":
@@ -145,7 +145,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
     """
     _check_method(method)
     n, wanted = len(result.particles), Wanted(result, measures)
-    warn_of_kinks(result.path, wanted.stack.seeds)
+    wanted.warn_of_kinks()
     if method == "auto":
         method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
@@ -190,12 +190,19 @@ class Wanted:
     """
 
     def __init__(self, result, measures):
-        self.measures = measures
+        self.result, self.measures = result, measures
         self.bases = list(dict.fromkeys(_base(measure) for measure in measures))
         # values and partial derivatives of every independent measure
         self.values, partials = zip(*(base.of(result) for base in self.bases), strict=True)
         self.stack = stacked(partials)
         self.probe = result.path.discretization.table_at(self.stack.at)
+
+    def warn_of_kinks(self) -> None:
+        """Issue a ``KinkWarning`` where the derivatives are one-sided."""
+        from_start = any(base.from_start for base in self.bases)
+        warn_of_kinks(
+            self.result.path, self.stack.seeds, self.result.seal.design_velocity, from_start
+        )
 
     @property
     def count(self) -> int:

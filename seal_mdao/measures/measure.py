@@ -158,6 +158,8 @@ class Measure:
     needs_all_steps : bool
         Whether its error may come from load steps in which displacements hardly change, so that the
         choice of load steps divides all of them.
+    from_start : bool
+        Whether its value depends on the force at the start of the path.
     """
 
     name = ""
@@ -167,6 +169,7 @@ class Measure:
     wants_end = True
     needs_points = False
     needs_all_steps = False
+    from_start = False
 
     @property
     def scalars(self) -> dict:

@@ -49,6 +49,10 @@ class ProfileWork(Measure):
     def at_end(self):
         return self.stages is None
 
+    @property
+    def from_start(self):
+        return self.stages is None or 0 in self.stages
+
     def evaluate(self, result, partials):
         term, at, steps = result.term(self.profile), *self._steps(result)
         poses = np.array([term.motion.coordinates(n) for n in at])
@@ -118,6 +122,7 @@ class FrictionWork(Measure):
     name: str = "friction_work"
     units = "mJ/m"
     text = "Work of all profiles that is not stored in the body, per unit depth."
+    from_start = True
 
     def evaluate(self, result, partials):
         profiles = [term.label for term in result.path.problem.terms if hasattr(term, "motion")]

@@ -140,6 +140,91 @@ def test_a_touch_before_the_measured_steps_is_reported_for_either_reason(nominal
         warn_of_kinks(path, last)
 
 
+TOUCHED = """\
+[material.rubber]
+shore_a = 60
+[section]
+spacing = 1.5
+outer = [
+  { edge = "base", line = [[-4.0, 0.0], [4.0, 0.0]] },
+  { edge = "right", line = [[4.0, 0.0], [4.0, 4.0]] },
+  { edge = "top", line = [[4.0, 4.0], [0.0, 5.0], [-4.0, 4.0]] },
+  { edge = "left", line = [[-4.0, 4.0], [-4.0, 0.0]] },
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "plate"
+friction = 0.0
+normal_penalty = 1e5
+tangent_penalty = 1e4
+contact = ["top"]
+contact_points = "particles"
+line = [[-20.0, 0.0], [20.0, 0.0]]
+start = [0.0, 5.0]
+stage = [{ translate = [0.1, -0.3], steps = 4 }]
+[[measure]]
+type = "reaction"
+[[measure]]
+type = "profile_work"
+profile = "plate"
+[[design]]
+edges = ["top"]
+parameters = 3
+bound = 0.2
+"""
+"""A ridge whose tip a plate touches at the start of the path."""
+
+
+def touched(folder, *changes):
+    text = TOUCHED
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "touched.toml").write_text(text)
+    return sm.build_seal(sm.read_seal_file(folder / "touched.toml"))
+
+
+FRICTION = ("friction = 0.0", "friction = 0.3")
+AT_THE_START = r"'plate' at the start: zero gap at point \d+ \(x = 0, y = 5\)"
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"), [((), "profile_work"), ((FRICTION,), "reaction")], ids=["work", "friction"]
+)
+def test_a_touch_at_the_start_is_reported_where_the_derivative_jumps(tmp_path, changes, name):
+    """A design that overlaps the plate has a force at the start, which counts in the work and from which
+    points stick or slip."""
+    seal = touched(tmp_path, *changes)
+    result, direction, h = sm.analyze(seal), np.ones(seal.n_offsets), 1e-6
+    with pytest.warns(KinkWarning, match=AT_THE_START):
+        exact = np.atleast_2d(sm.differentiate(result, (), [name])[name])[-1] @ direction
+
+    def at(n):
+        return np.atleast_1d(sm.analyze(seal, n * h * direction).value(name))[-1]
+
+    # (4 f(h) - f(2 h) - 3 f(0)) / (2 h) on either side
+    below, above = (
+        side * (4.0 * at(side) - at(2 * side) - 3.0 * at(0)) / (2.0 * h) for side in (-1, 1)
+    )
+    assert exact == pytest.approx(below, rel=1e-5)
+    assert abs(above - below) > 1e-4 * abs(below)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        [FRICTION, ("start = [0.0, 5.0]", "start = [0.0, 5.001]")],
+        [FRICTION, ('edges = ["top"]', 'edges = ["right"]')],
+    ],
+    ids=["no friction", "clear", "other edge"],
+)
+def test_a_touch_at_the_start_without_effect_is_not_reported(tmp_path, changes):
+    result = sm.analyze(touched(tmp_path, *changes))
+    sm.differentiate(result, (), ["reaction"])
+
+
 def test_steps_after_the_last_measured_one_do_not_count(kinked):
     path = sm.analyze(kinked).path
     with warnings.catch_warnings():
