@@ -1,4 +1,4 @@
-"""Trapped air, swelling, axial stretch and two bodies against finite elements.
+"""Trapped air, fluid pressure, swelling, axial stretch and two bodies against finite elements.
 
 The references are those of ``references/jax_sections.py``. Forces are in N/m, those of complete rings
 in N.

@@ -1,5 +1,5 @@
-"""Trapped air, swelling, axial stretch and contact of two bodies by finite elements that know nothing of
-seal_mdao.
+"""Trapped air, fluid pressure, swelling, axial stretch and contact of two bodies by finite elements that
+know nothing of seal_mdao.
 
 Not run by the tests. It reads a seal file beside it and writes the JSON file of the same name::
 
@@ -13,6 +13,11 @@ of each element (discontinuous pressure). All forces and tangents are derivative
 - the penalty energy eps/2 int g^2 ds of the contact, with the gap g < 0 at the nodes (rigid line, no
   friction) or at four Gauss points of every side of the first body (second body, no friction),
 - the volume of the trapped air, whose pressure is an additional unknown.
+
+The force p int N n ds of a fluid acts on the deformed sides of its edges. A fluid that comes from one
+end presses on all sides up to the middle of the edges, which must be in contact. Where the seal touches
+a profile there, the contact force of the penalty is what exceeds the pressure p, and the profile takes
+the force of the fluid, too. The fluid thus ends where the contact pressure is p.
 
 Lengths in mm, stresses in kPa, forces in N/m, of a complete ring in N; energies in mJ/m and mJ.
 """
@@ -62,6 +67,9 @@ CASES = {
     "air_ring": Case((0.8, 0.5, 0.35), 0.5, 16, 1e6),
     "swollen_ring": Case((0.8, 0.5, 0.35), 0.5, 20, 3e6),
     "stretched_bulb": Case((0.8, 0.5, 0.35), 0.5, 12, 1e6),
+    "pressed_dome": Case((0.8, 0.5), 0.15, 14, 2e6),
+    "pressed_face_seal": Case((0.8, 0.5), 0.08, 8, 2e6),
+    "inflated_seal": Case((0.8, 0.5, 0.35), 0.35, 14, 1e6),
     "two_humps": Case((0.8, 0.6, 0.45), 0.5, 12, 2e5, ("lower", "upper")),
 }
 
@@ -281,6 +289,47 @@ class Air:
         return whole - self.outside, -self.gamma * whole / now
 
 
+class Fluid:
+    """Pressure of a [[fluid]], which grows in the last stage."""
+
+    def __init__(self, table, edges, points, ring):
+        self.pressure, start = table["pressure"], table.get("from")
+        names = table["edge"] if isinstance(table["edge"], list) else [table["edge"]]
+        sides = np.concatenate([edges[name] for name in names])
+        if start:
+            sides = chained(sides)[:: 1 if start == "start" else -1][: len(sides) // 2]
+        self.sides, self.dofs = sides, numbers(sides)
+        value, slope = (
+            np.array(own) for own in zip(*map(line_functions, LINE_POINTS), strict=True)
+        )
+
+        def force(x):
+            # int N n ds of the normal n to the right of a side, which has the body on its left
+            y, dy = value @ x, slope @ x
+            weight = LINE_WEIGHTS * (2.0 * jnp.pi * y[:, 0] if ring else 1.0)
+            normal = jnp.stack([dy[:, 1], -dy[:, 0]], axis=1)
+            return jnp.einsum("g,ga,gi->ai", weight, value, normal)
+
+        self.force, self.tangent = (jax.jit(jax.vmap(own)) for own in (force, jax.jacfwd(force)))
+
+    def contributions(self, x, t, n_stages):
+        """Unknowns (k, 6), forces and tangents of the sides at the time t."""
+        pressure, x = self.pressure * np.clip(t - n_stages + 1.0, 0.0, 1.0), x[self.sides]
+        force, tangent = (pressure * np.asarray(own(x)) for own in (self.force, self.tangent))
+        return self.dofs, force.reshape(-1, 6), tangent.reshape(-1, 6, 6)
+
+
+def chained(sides):
+    """Connected sides (k, 3) in their order along the boundary."""
+    following = {side[0]: i for i, side in enumerate(sides)}
+    (first,) = set(sides[:, 0]) - set(sides[:, 1])
+    order = []
+    while first in following:
+        order.append(following[first])
+        first = sides[order[-1], 1]
+    return sides[order]
+
+
 class Pair:
     """Contact of the sides of one body with those of another, without friction."""
 
@@ -398,6 +447,7 @@ class Model:
         self.air = [
             Air(own, edges[holes[own["hole"]]], points, ring) for own in file.get("cavity", [])
         ]
+        self.fluids = [Fluid(own, edges, points, ring) for own in file.get("fluid", [])]
         self.pairs = []
         if case.pair:
             self.pairs = [Pair(points, *(edges[own] for own in case.pair), ring, penalty)]
@@ -456,6 +506,11 @@ class Model:
             k = part.dofs.shape[1]
             tangent = part.call("tangent", u, state).reshape(-1, k, k)
             add(part.dofs, part.call("force", u, state), tangent)
+        fluid_force = np.zeros(self.n)
+        for fluid in self.fluids:
+            own = fluid.contributions(x, t, self.n_stages)
+            add(*own)
+            np.add.at(fluid_force, *own[:2])
         for name, line in self.lines.items():
             where = line.point + travelled(line.stages, t)
             # loads act on the length h of the stretched strip
@@ -464,6 +519,9 @@ class Model:
             force = (weight * gap)[:, None] * line.normal
             tangent = (weight * (gap < 0.0))[:, None, None] * np.outer(line.normal, line.normal)
             add(numbers(line.nodes[:, None]), force, tangent)
+            # nodes in contact transmit the force of the fluid
+            closed = (gap < 0.0) * (fluid_force.reshape(-1, 2)[line.nodes] @ line.normal)
+            force += closed[:, None] * line.normal
             forces[name] = force.sum(axis=0) / h
         for pair in self.pairs:
             add(*pair.contributions(x, frozen))
