@@ -8,13 +8,12 @@ from seal_mdao import plotting
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import penalty_table, write_summary
 from seal_mdao.recording.recorded_optimization import (
-    FEASIBLE,
+    KINDS,
     RecordedOptimization,
     label,
     unit_of,
 )
 
-KINDS = {"doe": "design of experiments", "runs": "runs of a model"}
 LISTED = 20
 """Cases that a line lists."""
 
@@ -51,12 +50,12 @@ def show_cases(history: RecordedOptimization, seal, cache: AnalysisCache, out: P
 def case_numbers(history: RecordedOptimization) -> dict:
     """Collect the ranges of all quantities, and the best case if there is an objective, for
     summary.json."""
-    name, feasible = history.objective_name, history.max_violation <= FEASIBLE
+    name, feasible = history.objective_name, history.feasible
     ranges = {name: _range(history, name, history.objective)} if name else {}
     for own in history.constraints:
         ranges[own.name] = _range(history, own.name, own.values) | {
             "lower": own.lower, "upper": own.upper,
-            "satisfied": int((own.violation() <= FEASIBLE).sum()),
+            "satisfied": int(own.satisfied().sum()),
         }  # fmt: skip
     ranges |= {own: _range(history, own, values) for own, values in history.design.items()}
     numbers = {

@@ -28,7 +28,6 @@ from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.claim import RecorderBusyError
 from seal_mdao.recording.evaluations import RestartError
 from seal_mdao.recording.recorded_optimization import (
-    FEASIBLE,
     RecordedOptimization,
     read_optimization,
 )
@@ -128,8 +127,8 @@ def _kkt(found: Optimality | None) -> dict | None:
 def judged(run_numbers: dict, history) -> dict:
     """Mark a run that ends infeasible as not successful."""
     # optimisers may report success at an infeasible point
-    feasible = history.max_violation[-1] <= FEASIBLE
-    return run_numbers | {"success": run_numbers["success"] and bool(feasible)}
+    feasible = bool(history.feasible[-1])
+    return run_numbers | {"success": run_numbers["success"] and feasible}
 
 
 def report_run(optimizer: str, numbers: dict, arguments: argparse.Namespace) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from seal_mdao.analysis.path_result import PathResult
 from seal_mdao.contact.friction import OPEN, SLIP, STICK, ContactHistory
 from seal_mdao.contact.kinks import SLIGHT, Kinks
+from seal_mdao.contact.rigid_contact import ContactTerm
 from seal_mdao.dsa.factors import solve_transposed
 from seal_mdao.errors import KinkWarning
 from seal_mdao.terms.point_rates import add_field
@@ -21,8 +22,6 @@ STATES = {OPEN: "open", STICK: "stick", SLIP: "slip"}
 
 NAMED = 3
 """Contact states and points that a message names; it counts the others."""
-
-
 AT_START = 1e-8
 """Gap at the start that is zero, over the size of the body: a profile that touches in a seal file starts
 2e-9 above it (``seals.file.clearance``)."""
@@ -115,7 +114,7 @@ def _kinks_at_start(path: PathResult, velocity: np.ndarray, measured: bool) -> l
     size = float(np.ptp(path.discretization.particles, axis=0).max())
     for number, term in enumerate(path.problem.terms):
         response, following = start.responses[number], path.steps[0].responses[number]
-        if not isinstance(response.history, ContactHistory) or not hasattr(term, "motion"):
+        if not isinstance(term, ContactTerm):
             continue
         zero = np.abs(response.outputs) <= AT_START * size
         if not zero.any():

@@ -10,7 +10,6 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from seal_mdao.plotting.style import BESIDE, BLUE, CYCLE, GREY, MARKERS, VERMILION, styled, subplots
 from seal_mdao.recording.recorded_optimization import (
-    FEASIBLE,
     Constraint,
     RecordedOptimization,
     label,
@@ -53,7 +52,7 @@ def objective_history(history: RecordedOptimization) -> Figure:
 
 def _draw_objective(axes: Axes, history: RecordedOptimization, values: np.ndarray) -> None:
     """Plot values (n,) of the objective over the iterations."""
-    number, feasible = _numbers(history, len(values)), history.max_violation <= FEASIBLE
+    number, feasible = _numbers(history, len(values)), history.feasible
     if history.kind == "optimisation":
         axes.plot(*_by_run(history, values), color=BLUE, zorder=2)
     for chosen, fill, text in (
@@ -100,7 +99,7 @@ def constraint_history(history: RecordedOptimization, particles=None) -> Figure:
 
 def _name_violation(axes: Axes, history: RecordedOptimization, own: Constraint) -> None:
     """Write "too soft" or "too stiff" at the last design whose force is outside its limits."""
-    outside = np.flatnonzero(own.violation() > FEASIBLE)
+    outside = np.flatnonzero(~own.satisfied())
     if not outside.size or unit_of(history, own.name) not in ("N/m", "N"):
         return
     at = outside[-1]

@@ -43,6 +43,10 @@ NAMES = {
 """Descriptions of variables."""
 DESIGN_UNITS = {"boundary_offsets": "mm", "door_radius": "mm"}
 """Units of inputs that a recorder omits by default."""
+KINDS = {
+    "optimisation": "optimisation", "doe": "design of experiments", "runs": "runs of a model",
+}  # fmt: skip
+"""Descriptions of what a driver does."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +62,10 @@ class Constraint:
     def violation(self) -> np.ndarray:
         """Return the relative excess over the nearer limit, 0 where satisfied, shape (n,)."""
         return np.maximum(0.0, self._excess())
+
+    def satisfied(self) -> np.ndarray:
+        """Return where the limits are satisfied, up to rounding of the optimiser, bool (n,)."""
+        return self.violation() <= FEASIBLE
 
     def use(self) -> np.ndarray:
         """Return the utilisation of the limits, (n,): 1 at the nearer one, more where it is violated.
@@ -191,14 +199,18 @@ class RecordedOptimization:
         return np.max([none, *(c.violation() for c in self.constraints)], axis=0)
 
     @property
+    def feasible(self) -> np.ndarray:
+        """Where all constraints are satisfied, bool (n,)."""
+        return self.max_violation <= FEASIBLE
+
+    @property
     def best(self) -> int:
         """Index of the best point: that with the best objective among those that satisfy the
         constraints; if there is none, that with the smallest violation. It needs an objective."""
-        feasible = self.max_violation <= FEASIBLE
-        if not feasible.any():
+        if not self.feasible.any():
             return int(self.max_violation.argmin())
         cost = -self.objective if self.maximized else self.objective
-        return int(np.where(feasible, cost, np.inf).argmin())
+        return int(np.where(self.feasible, cost, np.inf).argmin())
 
     def design_at(self, index: int) -> tuple[np.ndarray, dict]:
         """Return boundary offsets (mm) and scalar parameters of the first seal at a point, as arguments

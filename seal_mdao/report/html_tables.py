@@ -9,7 +9,6 @@ import numpy as np
 from seal_mdao.contact.friction import OPEN
 from seal_mdao.measures.boundary_line import is_closed
 from seal_mdao.recording.recorded_optimization import (
-    FEASIBLE,
     RecordedOptimization,
     label,
     shown_unit,
@@ -83,11 +82,10 @@ def limits_table(history: RecordedOptimization) -> str:
     rows = [[_heading(history, history.objective_name), number(first), number(last), "", ratio,
              "of its start"]]  # fmt: skip
     for own in history.constraints:
-        # relative violations below FEASIBLE are rounding of the optimiser
-        violated = own.violation()[-1] > FEASIBLE
+        verdict = ("satisfied", "good") if own.satisfied()[-1] else ("violated", "bad")
         rows.append([
             _heading(history, own.name), *map(number, own.values[[0, -1]]), _limits(own),
-            percent(own.use()[-1]), ("violated", "bad") if violated else ("satisfied", "good"),
+            percent(own.use()[-1]), verdict,
         ])  # fmt: skip
     head = ["recorded quantity", "start", "end", "limit", "end / limit", ""]
     return table(head, rows, "Recorded objective and constraints")
@@ -95,11 +93,11 @@ def limits_table(history: RecordedOptimization) -> str:
 
 def _ranges_table(history: RecordedOptimization) -> str:
     """Tabulate the ranges of objective and constraints, and how many points satisfy each constraint."""
-    rows, count = [], len(history.objective)
+    rows = []
     if history.objective_name:
         rows.append([_heading(history, history.objective_name), *_range(history.objective), "", ""])
     for own in history.constraints:
-        satisfied = f"{(own.violation() <= FEASIBLE).sum()} of {count}"
+        satisfied = f"{own.satisfied().sum()} of {len(own.values)}"
         rows.append([_heading(history, own.name), *_range(own.values), _limits(own), satisfied])
     head = ["recorded quantity", "lowest", "highest", "limit", "satisfied by"]
     return table(head, rows, "Recorded objective and constraints") if rows else ""

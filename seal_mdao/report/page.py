@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from seal_mdao._version import __version__
 from seal_mdao.plotting.captions import caption, caption_of, seal_text
-from seal_mdao.recording.recorded_optimization import FEASIBLE, RecordedOptimization, label
+from seal_mdao.recording.recorded_optimization import KINDS, RecordedOptimization, label
 from seal_mdao.recording.recorded_seals import RecordedSeal
 from seal_mdao.report import html_tables as tables
 from seal_mdao.report.picture_data import Pictures
@@ -24,11 +24,6 @@ from seal_mdao.seals.result import SealResult
 ASSETS = files("seal_mdao.report") / "assets"
 SCRIPTS = ("chart.js", "shape.js", "page.js")
 RECORD_ALL = '<code>driver.recording_options["includes"] = ["*"]</code>'
-KINDS = {
-    "optimisation": "Optimisation of",
-    "doe": "Design of experiments with",
-    "runs": "Runs of a model with",
-}
 WORDS = {
     True: ("Start", "End", "Iterations"),
     False: ("First point", "Last point", "Points"),
@@ -219,18 +214,16 @@ def title(history: RecordedOptimization) -> str:
     # settings of seal_problem or of a seal file are in the file
     if history.settings and history.kind == "optimisation":
         return "Shape of a seal"
-    name = history.objective_name
-    return (
-        f"{KINDS[history.kind]} {label(name)}"
-        if name
-        else KINDS[history.kind].removesuffix(" with")
-    )
+    kind, name = KINDS[history.kind].capitalize(), history.objective_name
+    if not name:
+        return kind
+    return f"{kind} {'of' if history.kind == 'optimisation' else 'with'} {label(name)}"
 
 
 def status(history: RecordedOptimization) -> tuple[str, str, str]:
     """Return class, word and sentence on how the optimisation ended."""
     worst = history.max_violation[-1]
-    feasible = worst <= FEASIBLE
+    feasible = history.feasible[-1]
     limits = f"A constraint is violated by {tables.percent(worst)}."
     if feasible:
         limits = "All constraints are satisfied."
