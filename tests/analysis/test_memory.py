@@ -15,12 +15,14 @@ def new_pages():
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
 
 seal = sm.door_seal(depth=1.0, n_steps=8)
-# the first analyses let the heap grow to its size
-for size in (0.0, 1e-6, 2e-6, 3e-6, 4e-6):
+taken = []
+for size in (0.0, 1e-6, 2e-6, 3e-6, 4e-6, 5e-6):
     before = new_pages()
     result = sm.analyze(seal, [size] * seal.n_offsets)
+    taken.append(new_pages() - before)
 tangent = 8 * result.path.discretization.layout.size / resource.getpagesize()
-print((new_pages() - before) / tangent)
+# the first analyses let the heap grow to its size; under load the system can move pages at any time
+print(min(taken[3:]) / tangent)
 """
 
 
