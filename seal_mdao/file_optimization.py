@@ -84,7 +84,7 @@ def _limit(where: str, constraint, start: dict) -> Limit:
     return Limit(name, **bounds, ref=size if size.ndim else float(size))
 
 
-def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
+def on_new_cloud(design: SealFile, nominal: SealFile) -> tuple[SealFile, SealResult]:
     """Analyse a design with new particles, to estimate the influence of those that it was optimised
     with.
 
@@ -95,6 +95,12 @@ def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
     nominal : SealFile
         Whose section gives spacing or rays and layers of the new cloud; where it names a
         mesh file, its cells give them.
+
+    Returns
+    -------
+    SealFile
+        The design with the new particles.
+    SealResult
 
     Raises
     ------
@@ -108,7 +114,8 @@ def on_new_cloud(design: SealFile, nominal: SealFile) -> SealResult:
     if isinstance(nominal.section.spacing, OutlineCloud):
         filling |= _filling_like(nominal.section.spacing)
     section = replace(design.section, **filling)
-    return analyze(build_seal(replace(design, section=section, measures=measures, optimize=None)))
+    file = replace(design, section=section, measures=measures, optimize=None)
+    return file, analyze(build_seal(file))
 
 
 def _filling_like(given: OutlineCloud) -> dict:

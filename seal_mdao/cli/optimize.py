@@ -7,6 +7,7 @@ import numpy as np
 
 import seal_mdao as sm
 from seal_mdao import plotting
+from seal_mdao.accuracy.force_error import ForceError, force_error
 from seal_mdao.analysis_cache import AnalysisCache
 from seal_mdao.cli.arguments import (
     CASES,
@@ -43,6 +44,7 @@ from seal_mdao.file_optimization import (
     require_problem,
 )
 from seal_mdao.optimization import RunOptions
+from seal_mdao.progress import LoadStepProgress
 from seal_mdao.recording.recorded_optimization import label
 from seal_mdao.recording.recorded_seals import recorded_settings
 from seal_mdao.recording.recorder_file import open_model
@@ -88,19 +90,25 @@ def main(arguments) -> int:
     write_summary(arguments.out, how | ends | {"on_new_cloud": None} | designs)
     write_boundary(seal, offsets, arguments.out / "optimum.csv")
     # seal file of the optimum, analysed with new particles
-    drawing, anew = write_best(file, seal, offsets, cache, arguments.out)
+    drawing, anew, inexact = write_best(file, seal, offsets, cache, arguments.out)
     # second time, complete
     penalties = {"penalty_error": penalty_table(results[1])}
     # limits that do not hold with other particles, or limit a meaningless stress
     measures = frozen_measures(seal, measure_names(file), cache.analyze)
     doubts = [*violated_anew(ends["constraints"], anew), *meaningless_limits(results[1], measures)]
     doubts += gaps["unmeasured_gaps"]
+    if inexact is not None and inexact.warning:
+        doubts.append(inexact.warning)
     warned = {"warnings": [*results[1].warnings, *doubts]}
     new = {"on_new_cloud": anew}
+    if inexact is not None:
+        new["force_error_by_spacing"] = inexact.relative
     write_summary(arguments.out, how | ends | gaps | penalties | warned | new | designs)
     draw_designs(history, results, arguments.out)
     # key figures of the report
-    own_figures = [*gap_figures(gaps), *penalty_figures(results[1])]
+    own_figures = [
+        *gap_figures(gaps), *penalty_figures(results[1]), *spacing_figures(inexact)
+    ]  # fmt: skip
     targets = force_section(file, seal, results, arguments.out)
     # the page has the warnings of both designs itself
     write_report(
@@ -242,7 +250,18 @@ def penalty_figures(result) -> list[tuple[str, str, str]]:
     return [("numerical error due to contact penalties alone", f"{largest[1]:.2%}", text)]
 
 
-def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[str, dict | None]:
+def spacing_figures(error: ForceError | None) -> list[tuple[str, str, str]]:
+    """List the error of the forces due to the particle spacing as name, value and explanation; empty
+    without an estimate."""
+    if error is None or error.relative is None:
+        return []
+    name = "numerical error of the forces due to the particle spacing"
+    return [(name, f"{error.relative:.2%}", "estimated for the optimum with new particles")]
+
+
+def write_best(
+    file, seal, offsets, cache: AnalysisCache, out: Path
+) -> tuple[str, dict | None, ForceError | None]:
     """Write a design as a seal file with drawing and cloud, and analyse it with a new cloud.
 
     Returns
@@ -251,13 +270,15 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
         Text about the written files for the last line.
     dict or None
         Part of summary.json: value of every measure with new particles.
+    ForceError or None
+        Of the forces due to the spacing, where the file leaves it to its default.
     """
     try:
         # limits in the new file refer to the frozen measures
         measures = frozen_measures(seal, None, cache.analyze)
         paths = write_design(file, seal, offsets, measures, out, "optimum")
     except (sm.GeometryError, sm.SealFileError, ImportError) as error:
-        return f" (no seal file: {error})", None
+        return f" (no seal file: {error})", None, None
     said = "".join(f", {path.name}" for path in paths)
     try:
         # read the written file: the check a user would make
@@ -269,12 +290,17 @@ def write_best(file, seal, offsets, cache: AnalysisCache, out: Path) -> tuple[st
                 "give the reason)"
             )
         # discretisation error of the optimum: same outline, new particles
-        result = on_new_cloud(design, file)
+        anew, result = on_new_cloud(design, file)
     except (sm.GeometryError, sm.SealFileError) as error:
-        return f"{said} (not verified with new particles: {error})", None
+        return f"{said} (not verified with new particles: {error})", None, None
     if not result.converged:
-        return said, None
-    return said, {measure.name: result.value(measure) for measure in result.measures()}
+        return said, None, None
+    inexact = None
+    if file.section.default_spacing:
+        # nobody has chosen these particles
+        with LoadStepProgress(None, "error of the forces") as progress:
+            inexact = force_error(anew, result, progress)
+    return said, {measure.name: result.value(measure) for measure in result.measures()}, inexact
 
 
 def _change(value: float, before: float) -> str:

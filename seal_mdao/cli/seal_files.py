@@ -122,8 +122,9 @@ def notices(file: SealFile) -> list[str]:
     if file.section.default_spacing:
         default = (
             f"particles by default: {', '.join(filling_lines(file.section))} in [section], which is "
-            f"1/{ACROSS} of the smaller dimension of the section; `seal-mdao analyze` estimates the "
-            "numerical error of the forces, `seal-mdao analyze --errors` that of all measures"
+            f"1/{ACROSS} of the smaller dimension of the section; `seal-mdao analyze` and `seal-mdao "
+            "optimize` estimate the numerical error of the forces, `seal-mdao analyze --errors` that "
+            "of all measures"
         )
     return [line for line in (file.section.notice, default, file.part) if line]
 

@@ -13,6 +13,7 @@ from seal_mdao.accuracy import error_estimate
 from seal_mdao.accuracy import force_error as module
 from seal_mdao.accuracy.force_error import LARGEST, WANTED, ForceError, force_error
 from seal_mdao.cli.subcommands import main
+from seal_mdao.file_optimization import FILLING
 
 pytest.importorskip("netgen")
 
@@ -113,6 +114,38 @@ def test_analyze_prints_the_error_of_a_file_without_spacing(bulb, tmp_path, caps
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     assert summary["force_error_by_spacing"] == pytest.approx(found.relative, rel=1e-9)
     assert found.warning in summary["warnings"]
+
+
+OPTIMIZED = """
+[[design]]
+edges = ["bulb"]
+parameters = 2
+bound = 0.05
+[optimize]
+minimize = "section_area"
+[[optimize.constraint]]
+measure = "reaction"
+lower = 1.0
+"""
+
+
+def test_optimize_prints_the_error_of_the_optimum_without_spacing(tmp_path, capsys):
+    (tmp_path / "bulb.toml").write_text(BULB + OPTIMIZED, encoding="utf-8")
+    out = tmp_path / "out"
+    main(["optimize", str(tmp_path / "bulb.toml"), "--out", str(out), "--max-iterations", "1"])
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    # that of the written optimum with the spacing and the layers of the default
+    optimum = sm.read_seal_file(out / "optimum.toml")
+    filling = {
+        name: getattr(sm.read_seal_file(out.parent / "bulb.toml").section, name) for name in FILLING
+    }
+    file = replace(optimum, section=replace(optimum.section, **filling))
+    found = force_error(file, sm.analyze(sm.build_seal(file)))
+    assert summary["force_error_by_spacing"] == pytest.approx(found.relative, rel=1e-9)
+    assert found.warning in summary["warnings"]
+    said = capsys.readouterr().out
+    assert said.count(f"WARNING (last design): {found.warning}") == 1
+    assert "numerical error of the forces due to the particle spacing" in said
 
 
 def test_analyze_with_a_spacing_estimates_nothing(tmp_path, capsys):

@@ -419,7 +419,7 @@ def test_new_particles_of_a_design_of_a_design_are_those_of_its_section(tmp_path
     here, there = (sm.build_seal(file) for file in (second, first))
     area, before = (cells_area(own.body.cells, own.nominal_particles)[0] for own in (here, there))
     assert abs(area / before - 1.0) > 0.02
-    found = on_new_cloud(second, first)
+    _, found = on_new_cloud(second, first)
     assert found.value("section_area")[0] == pytest.approx(area, rel=0.005)
     # about as many particles, and as small ones along the edges
     assert 0.6 < len(found.particles) / len(particles) < 1.6
