@@ -196,13 +196,17 @@ def _flat(settings, prefix: str = ""):
 # ---- analyses of designs ----
 
 
-def analysis_table(start: SealResult, end: SealResult, recorded: dict, name="") -> str:
+def analysis_table(
+    start: SealResult, end: SealResult, recorded: dict, ends=("start", "end"), name=""
+) -> str:
     """Tabulate measures of both designs, from their analyses.
 
     Parameters
     ----------
     recorded : dict of str to ndarray
         Values of measures at every point as recorded, by name.
+    ends : tuple of str
+        Headings of both designs.
     name : str
         Of the seal where there are several.
     """
@@ -222,7 +226,7 @@ def analysis_table(start: SealResult, end: SealResult, recorded: dict, name="") 
                 for value, result in zip(recorded[own][[0, -1]], (start, end), strict=True)
             ]
             rows.append(["the same, as recorded", *cells, unit])
-    head = ["measure at the end of the analysis", "start", "end", "unit"]
+    head = ["measure at the end of the analysis", *ends, "unit"]
     of = f" of {name}" if name else ""
     return table(head, rows, f"First and last design{of}, from their analyses")
 

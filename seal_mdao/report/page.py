@@ -28,7 +28,7 @@ WORDS = {
     True: ("Start", "End", "Iterations"),
     False: ("First point", "Last point", "Points"),
 }
-"""Headings, by whether the points are those of an optimiser."""
+"""Names of the ends and of what lies between, by whether the points are those of an optimiser."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +105,10 @@ def render(
         Pictures(*s.ends, s.designs).as_data() | {"numbers": numbers, "caption": s.caption}
         for s in seals
     ]
+    first, last, through = WORDS[history.kind == "optimisation"]
+    ends = first.lower(), last.lower()
     data = {
-        "history": history_data(history), "seals": [seal.name for seal in seals],
+        "history": history_data(history), "seals": [seal.name for seal in seals], "ends": ends,
         "shapes": shapes[0] if shapes else None, "others": shapes[1:],
     }  # fmt: skip
     notes = [*warnings(history, seals), *(escape(f"{note}.") for note in notes)]
@@ -129,13 +131,13 @@ def render(
             if own.recorded.scenarios
         ),
         shapes="" if seals else "hidden",
-        **dict(
-            zip(("first", "last", "through"), WORDS[history.kind == "optimisation"], strict=True)
-        ),
+        first=first,
+        last=last,
+        through=through,
         limits=tables.limits_table(history),
         further=further,
         analyses="".join(
-            tables.analysis_table(*own.ends, own.recorded.measures, _caption(own, several))
+            tables.analysis_table(*own.ends, own.recorded.measures, ends, _caption(own, several))
             for own in seals
         ),
         scenarios="".join(

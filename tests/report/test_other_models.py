@@ -224,6 +224,10 @@ def test_doe_is_no_optimisation(tmp_path):
     lowest, highest = np.sort(area.values)
     assert f"<td>{lowest:.4g}</td><td>{highest:.4g}</td><td>≤ 1.2</td><td>2 of 2</td>" in text
     assert "of its start" not in text.partition("<section")[0]
+    # tables and pictures of its ends, too
+    assert '<th scope="col">first point</th><th scope="col">last point</th>' in text
+    assert '"ends":["first point","last point"]' in text
+    assert '<th scope="col">start</th>' not in text
 
 
 def bulges(folder, sizes, **settings):

@@ -54,8 +54,8 @@ function force(value) {
 }
 
 function closing() {
-  const { paths } = shapes, names = ["start", "end"], [start, end] = paths;
-  const views = names.map((name) => new ShapeView(place(`${name}-shape`), shapes));
+  const { paths } = shapes, places = ["start", "end"], names = data.ends, [start, end] = paths;
+  const views = places.map((name) => new ShapeView(place(`${name}-shape`), shapes));
   const frames = paths.map((path) => path.frames.map((own) => frame(own, path.profiles)));
   const longest = start.frames.length >= end.frames.length ? start : end;
   let curves = null, at = longest.frames.length - 1, profile = 0;
@@ -69,8 +69,8 @@ function closing() {
       const main = own ? start.curves[profile].component : 0;
       const up = own ? `, ${shapes.force.directions[main]} force ${force(own.reaction[k][main])}` : "";
       const text = `peak ${readable(path.frames[k].peak, 3)} kPa${touching}${up}${held}`;
-      views[i].draw(frames[i][k], null, `Deformed section of the ${names[i]} design with von Mises stress at ${minus(path.captions[k])}: ${text}`);
-      place(`${names[i]}-text`).textContent = text;
+      views[i].draw(frames[i][k], null, `Deformed section, ${names[i]}, with von Mises stress at ${minus(path.captions[k])}: ${text}`);
+      place(`${places[i]}-text`).textContent = text;
     });
     if (curves) curves.show(index);
     place("step-value").textContent = minus(longest.captions[index]);
@@ -93,7 +93,7 @@ function closing() {
 
 // Charts of one profile of both designs, or of moved edges; show(index) takes them to a load step.
 function profileCurves(both, longest) {
-  const names = ["start", "end"], colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
+  const names = data.ends, colors = ["var(--start)", "var(--end)"], dashes = ["6 3", ""];
   ["pressure", "gap", "reaction"].forEach((id) => place(id).replaceChildren());
   // moved edges are in no contact
   const touches = both.every((own) => own.arc.length);
