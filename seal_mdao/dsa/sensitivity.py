@@ -1,5 +1,6 @@
 """Sensitivities of measures by the direct or the adjoint method."""
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,9 @@ from seal_mdao.dsa.direct import DirectSweep
 from seal_mdao.dsa.parameters import ParameterRates, parameter_rates
 from seal_mdao.dsa.probe import Probe
 from seal_mdao.equilibrium.threads import one_blas_thread
+from seal_mdao.errors import KinkWarning
 from seal_mdao.measures.measure import Derived, stacked
+from seal_mdao.structure.environment import TEMPERATURE
 
 METHODS = ("auto", "direct", "adjoint")
 
@@ -105,7 +108,7 @@ def sensitivities(result, names, measures, method: str = "auto") -> Sensitivitie
     if not measures:
         return Sensitivities(offsets + names, {})
     wanted = Wanted(result, measures)
-    wanted.warn_of_kinks()
+    wanted.warn_of_kinks(names)
     count = len(velocity) + len(names)
     # fewer right-hand sides: measures or parameters
     if method == "auto":
@@ -145,7 +148,7 @@ def particle_gradient(result, parameters, measures, method: str = "auto") -> dic
     """
     _check_method(method)
     n, wanted = len(result.particles), Wanted(result, measures)
-    wanted.warn_of_kinks()
+    wanted.warn_of_kinks(parameters)
     if method == "auto":
         method = "adjoint" if wanted.count < 2 * n + len(parameters) else "direct"
     if method == "adjoint":
@@ -197,12 +200,23 @@ class Wanted:
         self.stack = stacked(partials)
         self.probe = result.path.discretization.table_at(self.stack.at)
 
-    def warn_of_kinks(self) -> None:
-        """Issue a ``KinkWarning`` where the derivatives are one-sided."""
+    def warn_of_kinks(self, parameters) -> None:
+        """Issue a ``KinkWarning`` where the derivatives in the designs or ``parameters`` are
+        one-sided."""
+        path, seal = self.result.path, self.result.seal
         from_start = any(base.from_start for base in self.bases)
-        warn_of_kinks(
-            self.result.path, self.stack.seeds, self.result.seal.design_velocity, from_start
-        )
+        warn_of_kinks(path, self.stack.seeds, seal.design_velocity, from_start)
+        # dm/dT of a table of moduli jumps at its points
+        points = seal.table_points([path.steps[index].fraction for index in self.stack.seeds])
+        if points and TEMPERATURE in parameters:
+            warnings.warn(
+                "the derivatives with respect to the temperature are one-sided, those of higher "
+                f"temperatures, because the temperature is a point of a table: {'; '.join(points)}. "
+                "They differ from central finite differences; change this point of the table, or "
+                "the temperature, slightly",
+                KinkWarning,
+                stacklevel=2,
+            )
 
     @property
     def count(self) -> int:

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from seal_mdao import values
 from seal_mdao.analysis.cost import duration
 from seal_mdao.materials.viscoelastic import ABSOLUTE_ZERO
@@ -92,6 +94,23 @@ def check_conditions(environment: Environment | None, growths: Mapping[str, Grow
                 f"Celsius, but the temperature varies from {low:g} to {high:g}; add points to this "
                 "table, or vary the temperature less"
             )
+
+
+def table_points(
+    environment: Environment | None, growths: Mapping[str, Growth], fractions
+) -> list[str]:
+    """Describe the temperatures at path parameters (K,) that are points of a table of moduli, where the
+    derivatives with respect to the temperature are one-sided; those that do not change are left out."""
+    if environment is None or environment.temperature is None:
+        return []
+    fractions = np.asarray(fractions, float)
+    changing = fractions[environment.temperature.rates(fractions) != 0.0]
+    at = environment.temperature.at(changing)
+    return [
+        f"{temperature:g} degrees Celsius of {prefix}modulus_over_temperature"
+        for prefix, growth in growths.items()
+        for temperature in np.unique(growth.corners(at))
+    ]
 
 
 def conditions_text(conditions: Mapping[str, float]) -> str:

@@ -17,7 +17,7 @@ from seal_mdao.loads.moved_edges import ImposedMotions
 from seal_mdao.materials.isotropic import Isotropic
 from seal_mdao.measures.section_shape import cells_area
 from seal_mdao.registry import replacements
-from seal_mdao.seals.conditions import check_conditions, conditions_of
+from seal_mdao.seals.conditions import check_conditions, conditions_of, table_points
 from seal_mdao.seals.result_units import ResultUnits, result_units
 from seal_mdao.terms.term import Scalar
 
@@ -425,6 +425,11 @@ class Seal:
     def conditions(self, step: int | None = None) -> dict:
         """Evaluate axial stretch, temperature and swelling of the body, see ``conditions_of``."""
         return conditions_of(*self._environment, step)
+
+    def table_points(self, fractions) -> list[str]:
+        """Describe the temperatures that are points of tables of moduli, see
+        ``conditions.table_points``."""
+        return table_points(*self._environment, fractions)
 
     @property
     def _environment(self) -> tuple:

@@ -138,6 +138,14 @@ class Growth:
         slope = (factors[piece + 1] - factors[piece]) / (at[piece + 1] - at[piece])
         return factors[piece] + slope * (temperature - at[piece]), slope
 
+    def corners(self, temperature: np.ndarray) -> np.ndarray:
+        """Select the temperatures (K,) at which the slope of m changes: inner points of its table."""
+        if self.factors is None:
+            return temperature[:0]
+        at, factors = np.asarray(self.factors, float).T
+        slopes = np.diff(factors) / np.diff(at)
+        return temperature[np.isin(temperature, at[1:-1][slopes[1:] != slopes[:-1]])]
+
 
 class RegionConditions(NamedTuple):
     """Conditions of one region at K path parameters.

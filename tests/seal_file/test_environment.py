@@ -1,6 +1,7 @@
 """Temperature, swelling and axial stretch of seal files: derivatives, equal steps, refusals."""
 
 import re
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -128,6 +129,39 @@ def test_derivatives_are_those_of_the_path(seal, result, name, step):
         one = np.atleast_2d(direct[measure])[:, column]
         assert np.all(np.abs(one - quotient) <= bound), measure
         assert bound.max() <= 1e-5 * max(np.abs(one).max(), np.abs(quotient).max(), 1e-4), measure
+
+
+@pytest.mark.parametrize("points", ["[[0, 1.3], [60, 1.0], [120, 0.9]]", "[[0, 1.3], [120, 0.7]]"])
+def test_derivatives_at_a_point_of_a_table_are_those_of_higher_temperatures(tmp_path, points):
+    given = with_model(
+        text(FIXED, LID).replace(
+            "[material.rubber]\n", f"[material.rubber]\nmodulus_over_temperature = {points}\n"
+        ),
+        "temperature = 60.0",
+    )
+    result = sm.analyze(exact_seal(tmp_path, given))
+    corner = "60 degrees" if points.count("[") > 3 else None
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always", sm.KinkWarning)
+        # nothing else has a kink there
+        sm.differentiate(result, ["c10"], ["reaction"])
+        assert not found
+        own = sm.differentiate(result, ["temperature"], ["reaction"])["reaction"][-1]
+    assert [corner in str(one.message) for one in found] == ([True] if corner else [])
+
+    def at(temperature):
+        other = sm.analyze(result.seal, parameters={"temperature": temperature})
+        return other.value("reaction")[0]
+
+    h = 0.01
+    # (4 f(h) - f(2 h) - 3 f(0)) / (2 h) on either side
+    above, below = (
+        side * (4.0 * at(60.0 + side * h) - at(60.0 + 2.0 * side * h) - 3.0 * at(60.0)) / (2.0 * h)
+        for side in (1, -1)
+    )
+    assert own == pytest.approx(above, rel=1e-5)
+    # slopes of the table -0.3 / 60 and -0.1 / 60
+    assert below / above == pytest.approx(3.0 if corner else 1.0, rel=0.02)
 
 
 def test_trapped_air_is_heated_and_stretched(tmp_path):
