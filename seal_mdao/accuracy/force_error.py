@@ -78,7 +78,8 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
         For a path that was not completed.
     """
     result.require_converged()
-    if not any(result.path.reaction(part.label).any() for part in moving_parts(result.seal)):
+    forces = [result.path.reaction(part.label) for part in moving_parts(result.seal)]
+    if all(np.abs(force).max() <= result.path.least_force for force in forces):
         return ForceError(None, "no force acts on a profile or on moved edges")
     first = _compared_ends(result)
     choices = [first, np.union1d(first, few_ends(result.seal)[0])]

@@ -8,6 +8,9 @@ import numpy as np
 
 from seal_mdao.terms.point_assembly import interpolate
 
+NO_STRAIN = 1e-9
+"""Strain whose stresses count as zero."""
+
 
 class Status(Enum):
     """Status at the end of a load path or of one Newton solution."""
@@ -201,3 +204,12 @@ class PathResult:
         """Largest displacement of a particle over all nominal steps, mm."""
         steps = range(len(self.nominal_steps))
         return max((float(np.hypot(*self.displacement(k).T).max()) for k in steps), default=0.0)
+
+    @cached_property
+    def least_force(self) -> float:
+        """Force that counts as zero, of a shear strain ``NO_STRAIN`` over the section, N/m."""
+        # F = gamma G L depth
+        disc = self.discretization
+        regions = self.problem.term("structure").definition.regions
+        shear = max(own.material.shear_modulus for own in regions)
+        return NO_STRAIN * shear * float(np.ptp(disc.particles, axis=0).max()) * disc.depth

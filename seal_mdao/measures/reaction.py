@@ -225,8 +225,9 @@ class Reaction(Measure):
         return next((motion for motion in motions.values() if motion.travel > 0.0), found)
 
     def least_scale(self, result):
-        # a component may vanish: the complete force is the reference
-        return self.scale * float(np.abs(self.forces(result)).max(initial=0.0))
+        # a component may vanish: the complete force is the reference, unless that is a rounding error
+        largest = float(np.abs(self.forces(result)).max(initial=0.0))
+        return self.scale * max(largest, result.path.least_force)
 
     def forces(self, result) -> np.ndarray:
         """Compute the force at every nominal step, shape (n_steps, 2), N/m."""

@@ -252,6 +252,7 @@ def _draw_mode(axes: Axes, result, point, before: int, after: int, loops) -> Non
     section.draw_surroundings(axes, result, result.path.nominal_steps[after].fraction)
     # the travel is NaN where the profiles have none in common
     where = f"travel {point.travel:.2f} mm" if point.travel == point.travel else ""
+    where = point.position if point.travel == 0.0 else where
     axes.set_title(
         f"{where}: {point.kind}, {_energy(point.released, result.seal.units.energy)}", fontsize=9.0
     )

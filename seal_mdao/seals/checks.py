@@ -50,8 +50,6 @@ AT_CORNER = 3.0
 """Distance from a re-entrant corner, in spacings there, within which it inverts material."""
 OPEN_BALANCE, NO_BALANCE = 1e-6, 1e-2
 """Residual over the largest forces of the path above which it is reported, and is not admissible."""
-NO_STRAIN = 1e-9
-"""Strain whose stresses count as zero."""
 FEW_CELLS = 0.01
 """Fraction of the cells of a material that may be strained beyond its range: corners."""
 
@@ -101,15 +99,6 @@ def _forces(step) -> float:
     )
 
 
-def _least_force(path: PathResult) -> float:
-    """Compute the force that counts as zero, of a shear strain ``NO_STRAIN`` over the section."""
-    # F = gamma G L depth
-    disc = path.discretization
-    regions = path.problem.term("structure").definition.regions
-    shear = max(own.material.shear_modulus for own in regions)
-    return NO_STRAIN * shear * float(np.ptp(disc.particles, axis=0).max()) * disc.depth
-
-
 def _balance(samples: EvaluationPoints):
     """Report steps at which rounding ended the iterations far from equilibrium."""
     path = samples.path
@@ -117,7 +106,7 @@ def _balance(samples: EvaluationPoints):
     left = np.array([step.residuals[-1] for step in path.steps])
     # a section that expands freely is in equilibrium: its forces are rounding errors
     largest = forces.max(initial=0.0)
-    if largest <= _least_force(path):
+    if largest <= path.least_force:
         return
     # |r| / max |f| over the path in place of |r| / |f| of the step
     left = left * forces / largest
@@ -565,7 +554,7 @@ def _axis(samples: EvaluationPoints):
 
 def _below_base(samples: EvaluationPoints):
     """Report a boundary below the plane of a straight base, fixed or moved, with which there is no
-    contact."""
+    contact, unless a profile supports the seal there."""
     body = samples.path.discretization.body
     # only a base with both components fixed supports the seal
     base = body.edges.get("base")
@@ -582,15 +571,28 @@ def _below_base(samples: EvaluationPoints):
     height = (samples.undeformed[which] - undeformed[0]) @ outward
     which = which[height <= SLIGHT * samples.wall]
     # distance of the deformed boundary below the plane of the base
-    depth = (samples.places[which] - deformed[0]) @ _outward(deformed)
+    normal, least = _outward(deformed), SLIGHT * samples.wall
+    depth = (samples.places[which] - deformed[0]) @ normal
     worst = int(np.argmax(depth))
-    if depth[worst] > SLIGHT * samples.wall:
+    if depth[worst] > least and not _supported_below(samples, deformed[0], normal, least):
         yield Finding(
             f"the seal sinks {depth[worst]:.3g} mm below the plane of its base near "
             f"{_at(samples.places[which[worst]])}: the model has no support beyond the fixed base; "
             "fix the base over its full width, or add the support as a [[profile]]",
             False,
         )
+
+
+def _supported_below(samples: EvaluationPoints, base, normal, least: float) -> bool:
+    """Return whether the seal presses on a profile more than ``least`` below the plane through ``base``,
+    along its unit ``normal``."""
+    path = samples.path
+    terms = [term for term in path.problem.terms if isinstance(term, ContactTerm)]
+    for own in (path.responses(term.label)[-1] for term in terms):
+        # (x - x_base).n > least and f.n > 0, with the force f on the profile
+        if (((own.x - base) @ normal > least) & (own.force @ normal > 0.0)).any():
+            return True
+    return False
 
 
 def _outward(x: np.ndarray) -> np.ndarray:

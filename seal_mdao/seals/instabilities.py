@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from seal_mdao.seals.checks import crosses_itself
-from seal_mdao.seals.profiles import stage_number
+from seal_mdao.seals.profiles import position, stage_number
 from seal_mdao.seals.result_units import PLANE
 from seal_mdao.terms.point_assembly import interpolate
 
@@ -38,6 +38,8 @@ class Instability:
         Number of its stage, from 1; 0 where the path has a single one.
     crossed : bool
         Whether the boundary crosses itself after a jump; the energy of that state is then unknown.
+    position : str
+        As of ``profiles.position``, for a stage without travel.
     """
 
     fraction: float
@@ -50,12 +52,15 @@ class Instability:
     unit: str = PLANE.energy
     stage: int = 0
     crossed: bool = False
+    position: str = ""
 
     @property
     def text(self) -> str:
         """Description in one line."""
         place = f"load step {self.fraction:.4g}"
-        if np.isfinite(self.travel):
+        if self.position and not self.travel:
+            place = self.position
+        elif np.isfinite(self.travel):
             place = f"travel {self.travel:.3f} mm" + (
                 f" of stage {self.stage}" if self.stage else ""
             )
@@ -106,4 +111,5 @@ def _instability(result, point) -> Instability:
         point.fraction, result.travel_at(point.fraction), point.kind, mode / np.abs(mode).max(),
         point.moved, np.nan if crossed else point.released, not path.problem.symmetric,
         result.seal.units.energy, stage_number(result.seal, point.fraction), crossed,
+        position(result.seal, point.fraction),
     )  # fmt: skip

@@ -372,19 +372,22 @@ def key_steps(result) -> list[int]:
 
 
 def caption(result, step: int) -> str:
-    """Describe where the profiles are after a nominal step, the pressures of fluids, and the time where
-    the seal has times."""
-    motion, time = leading_motion(result.seal), times_at(result.seal, [step + 1.0])
-    pressures = fluid_pressures(result.seal, [step + 1.0]).items()
+    """Describe the state after a nominal step, as ``position`` does."""
+    return position(result.seal, step + 1.0)
+
+
+def position(seal, fraction: float) -> str:
+    """Describe where the profiles are after a ``fraction`` of the load steps, the pressures of fluids,
+    and the time where the seal has times."""
+    time, pressures = times_at(seal, [fraction]), fluid_pressures(seal, [fraction]).items()
     # three digits, without an exponent
     after = [f"{label} {float(f'{p:.3g}'):g} kPa" for label, (p,) in pressures if p > 0.0]
     after += [] if time is None else [f"after {duration(time[0])}"]
-    if motion is None:
-        return ", ".join([f"step {step + 1} of {result.seal.n_steps}", *after])
-    (stage,) = stage_of(motion, np.array([step]))
-    moved = _coordinates(motion, [step])[0] - _waypoints(motion)[stage - 1]
-    travel, turn = stage_travel(result.seal, step + 1.0), moved[2]
+    moved, stage = stage_index(seal, fraction), stage_number(seal, fraction)
+    if moved is None:
+        return ", ".join([f"step {fraction:.4g} of {seal.n_steps}", *after])
+    travel, turn = stage_travel(seal, fraction), moved[2]
     words = [f"travel {travel:.3g} mm"] if np.hypot(*moved[:2]) else []
     words += [f"turn {turn:.3g}°"] if turn else []
-    head = [f"stage {stage}"] if len(motion.steps) > 1 else []
+    head = [f"stage {stage}"] if stage else []
     return ", ".join([*head, *(words or ["at rest"]), *after])

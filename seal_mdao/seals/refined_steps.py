@@ -129,10 +129,9 @@ def force_difference(coarse: SealResult, fine: SealResult, at: np.ndarray) -> fl
     found = [0.0]
     for part in moving_parts(coarse.seal):
         one, other = (result.path.reaction(part.label) for result in (coarse, fine))
-        # max |F_coarse - F_fine| / max |F_fine| along the path
-        scale = np.abs(other).max()
-        if scale > 0.0:
-            found.append(float(np.abs(one - other[at]).max() / scale))
+        # max |F_coarse - F_fine| / max |F_fine| along the path; rounding errors count as zero
+        scale = max(np.abs(other).max(), fine.path.least_force)
+        found.append(float(np.abs(one - other[at]).max() / scale))
     return max(found)
 
 

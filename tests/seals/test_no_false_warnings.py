@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import seal_mdao as sm
+from seal_mdao.accuracy.force_error import force_error
 
 RUBBER = '[material.rubber]\nlaw = "neo_hookean"\nc10 = 300.0\nbulk_modulus = 1e5\n'
 SQUARE = """[section]
@@ -96,6 +97,42 @@ def test_a_seal_does_not_sink_below_a_base_that_is_moved(warnings):
     moved += "stage = [{ translate = [0.5, -1.0], rotate = 30, steps = 4 }]\n"
     _, found = warnings(RUBBER + SQUARE + moved)
     assert "sinks" not in found
+
+
+def test_a_seal_that_sinks_on_a_profile_below_its_base_is_supported(warnings):
+    """A lid bends a beam beside its base down to the profile, which is the support there."""
+    beam = """[section]
+spacing = 0.5
+outer = [
+  { edge = "base", line = [[0, 0], [4, 0]] }, { edge = "below", line = [[4, 0], [12, 0]] },
+  { edge = "right", line = [[12, 0], [12, 2]] }, { edge = "top", line = [[12, 2], [0, 2]] },
+  { edge = "left", line = [[0, 2], [0, 0]] },
+]
+[fixed]
+edges = ["base"]
+[[profile]]
+name = "roll"
+friction = 0.2
+contact = ["top"]
+circle = { centre = [11, 4.5], radius = 2.5 }
+stage = [{ translate = [0, -1.2], steps = 6 }]
+"""
+    sill = '[[profile]]\nname = "sill"\nfriction = 0.2\ncontact = ["below"]\n'
+    _, found = warnings(RUBBER + beam)
+    assert "the seal sinks" in found
+    result, found = warnings(RUBBER + beam + sill + "line = [[30, -0.8], [-30, -0.8]]\n")
+    assert result.response("sill").force.any()
+    assert "the seal sinks" not in found
+
+
+def test_forces_of_rounding_have_no_error(warnings, tmp_path):
+    """A seal is moved past a profile that it does not touch."""
+    moved = '[[moved]]\nedges = ["base"]\nstage = [{ translate = [0.3, -1.0] }]\n'
+    result, found = warnings(RUBBER + SQUARE + moved + LID.format(0.2, 5.3, 5.3))
+    assert result.path.reaction("base").any()
+    assert "load steps cause" not in found
+    error = force_error(sm.read_seal_file(tmp_path / "seal.toml"), result)
+    assert error.unknown == "no force acts on a profile or on moved edges"
 
 
 def test_a_boundary_in_self_contact_that_crosses_nowhere(warnings):

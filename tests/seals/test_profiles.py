@@ -17,6 +17,7 @@ from seal_mdao.seals.profiles import (
     contacts,
     leading_motion,
     load_segments,
+    position,
     profile_histories,
     stage_number,
     stage_of,
@@ -73,6 +74,19 @@ def test_a_loss_of_stability_names_its_stage():
     point = Instability(3.0, 1.5, "branch", np.zeros((1, 2)), 0.0, 0.0, False, stage=2)
     assert "from travel 1.500 mm of stage 2 on" in point.text
     assert "from travel 1.500 mm on" in replace(point, stage=0).text
+
+
+def test_a_loss_of_stability_in_a_stage_without_travel_names_the_turn():
+    seal = two_profiles(0.2)
+    turning = staged_motion([Stage(4, rotate=-3.0), Stage(2)])
+    rubber, *both = seal.definitions
+    both = (replace(own, motion=turning) for own in both)
+    seal = replace(seal, definitions=(rubber, *both), n_steps=6)
+    assert position(seal, 1.3) == "stage 1, turn -0.975°"
+    assert position(seal, 5.5) == "stage 2, at rest"
+    mode = np.zeros((1, 2))
+    point = Instability(1.3, 0.0, "branch", mode, 0.0, 0.0, False, position=position(seal, 1.3))
+    assert "from stage 1, turn -0.975° on" in point.text
 
 
 def test_stage_of_a_step():
