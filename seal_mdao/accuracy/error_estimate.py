@@ -170,8 +170,8 @@ class ComparedPaths:
     choices : sequence of ndarray, optional
         Ends of the load steps, as ``some_ends`` returns them, tried in this order until both paths are
         complete; by default about ``FEW`` load steps, then ``MORE`` times as many.
-    most_cuts : int, optional
-        How often a load step may be halved.
+    most_cuts : sequence of int, optional
+        How often a load step may be halved, for each of the choices; by default ``MOST_CUTS``.
     apart : float, optional
         Largest relative difference of the forces in few load steps from those of the result at the
         same ends; otherwise the path is taken to be another one.
@@ -192,10 +192,10 @@ class ComparedPaths:
 
     def __init__(
         self, file: SealFile, result: SealResult, callback: Callable | None, choices=None,
-        most_cuts: int = MOST_CUTS, apart: float = np.inf,
+        most_cuts=None, apart: float = np.inf,
     ):  # fmt: skip
         self.result, self.callback, self.number = result, callback, 0
-        self._most_cuts, self._apart = most_cuts, apart
+        self._most_cuts, self._apart = MOST_CUTS, apart
         self.coarse = self.fine = self.kept = None
         self.failure = ""
         seal = result.seal
@@ -216,7 +216,9 @@ class ComparedPaths:
         if file.step_tolerance is not None:
             # steps of the seal were chosen: their ends in steps of the file
             given = np.array(chosen_ends(seal))
-        for ends in few_ends(seal) if choices is None else choices:
+        choices = few_ends(seal) if choices is None else choices
+        cuts = [MOST_CUTS] * len(choices) if most_cuts is None else most_cuts
+        for ends, self._most_cuts in zip(choices, cuts, strict=True):
             self.ends = given[ends.astype(int) - 1]
             own, other = seal.with_ends(ends), fine_seal.with_ends(self.ends)
             if self._solve(own, other, ends, fine, parents):

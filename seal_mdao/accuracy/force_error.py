@@ -15,7 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seal_mdao.accuracy.error_estimate import ORDER, ComparedPaths, few_ends, some_ends
+from seal_mdao.accuracy.error_estimate import (
+    MOST_CUTS,
+    ORDER,
+    ComparedPaths,
+    few_ends,
+    some_ends,
+)
 from seal_mdao.seals.file.file_tables import SealFile
 from seal_mdao.seals.profiles import moving_parts
 from seal_mdao.seals.refined_steps import force_difference
@@ -83,7 +89,7 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
         return ForceError(None, "no force acts on a profile or on moved edges")
     first = _compared_ends(result)
     choices = [first, np.union1d(first, few_ends(result.seal)[0])]
-    paths = ComparedPaths(file, result, callback, choices, most_cuts=0, apart=APART)
+    paths = ComparedPaths(file, result, callback, choices, (0, MOST_CUTS), APART)
     if paths.fine is None:
         return ForceError(None, paths.failure)
     # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|
