@@ -68,7 +68,7 @@ BAD = {
     ),
     "there and back": (
         lambda: Contour([BASE, Line((4, 0), (0, 0), "seal")]),
-        "segment 1 (edge 'base') and segment 2 (edge 'seal') overlap at (4, 0)",
+        "segment 1 (edge 'base') and segment 2 (edge 'seal') overlap or form a cusp at (4, 0)",
     ),
     "speck": (
         lambda: lines([(0.0, 0.0), (10.0, 0.0), (10.0, 1e-4), (0.0, 10.0)]),

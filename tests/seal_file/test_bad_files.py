@@ -378,7 +378,7 @@ BAD = {
     "no shape": (*without(DOOR + "\n"), "[[profile]] 1 ('door'): a segment of a curve needs exactly"),
     "profile of one point": (DOOR, "line = [[0.0, 0.0]]", "line = [[0.0, 0.0]], but it must be a list"),
     "profile there and back": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [-9.0, 0.0]]",
-                               "overlap at (9, 0)"),
+                               "overlap or form a cusp at (9, 0)"),
     "profile crosses": (DOOR, "line = [[-9.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, -9.0]]",
                         "[[profile]] 1 ('door'): the curve crosses or touches itself at (4.5, 0)"),
     "profile has a gap": (DOOR, "[[profile.segment]]\nline = [[-9.0, 0.0], [0.0, 0.0]]\n"

@@ -69,8 +69,8 @@ def checked_chain(segments, join: float, closed: bool) -> tuple:
         angle = np.arctan2(abs(ahead[0] * back[1] - ahead[1] * back[0]), ahead @ back)
         if angle < FOLDED:
             raise GeometryError(
-                f"{where} overlap at {pair(one.end)}, where the boundary reverses its direction; "
-                "remove one of the two segments"
+                f"{where} overlap or form a cusp at {pair(one.end)}, where the boundary reverses its "
+                "direction; remove one of the two segments, or round the cusp with an arc"
             )
     return _joined(tuple(segments), join, closed)
 
