@@ -31,6 +31,7 @@ from seal_mdao.cli.seal_files import file_errors, file_of, seal_of
 from seal_mdao.export import vtu
 from seal_mdao.export.abaqus import require_exportable, write_abaqus
 from seal_mdao.export.csv_tables import reaction_tables, write_contact, write_curves
+from seal_mdao.measures.contact_pressure import ENOUGH, peak_points
 from seal_mdao.mesh_files import library
 from seal_mdao.progress import LoadStepProgress
 from seal_mdao.seals.conditions import conditions_text
@@ -387,7 +388,8 @@ def report(result: SealResult, summary: dict) -> None:
                 f"{force}, {end['deformed_contact_width_mm']:.2f} mm contact width (undeformed "
                 f"{end['nominal_contact_width_mm']:.2f}), peak contact pressure "
                 f"{end['true_peak_pressure_kPa']:.1f} kPa (nominal "
-                f"{end['nominal_peak_pressure_kPa']:.1f}), largest gap between contacts "
+                f"{end['nominal_peak_pressure_kPa']:.1f}{_few_points(result, label)}), largest gap "
+                "between contacts "
                 f"{end['largest_gap_mm']:.4f} mm"
             )
     if summary.get("part"):
@@ -409,6 +411,14 @@ def report(result: SealResult, summary: dict) -> None:
             print(f"{name} = {value} {found['unit'] or ''}".rstrip() + around + at)
     if result.converged:
         print_penalty_errors(result)
+
+
+def _few_points(result: SealResult, profile: str) -> str:
+    """Say how few contact points resolve a peak, measured or not; empty for ``ENOUGH`` and for none."""
+    count = len(peak_points(result, profile))
+    if not 0 < count < ENOUGH:
+        return ""
+    return f", of only {count} adjacent contact point{'s' * (count > 1)}: reduce edge_spacing there"
 
 
 def stress_line(summary: dict) -> str:

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
+from round_tip import PRESSED_TIP
 from seal_file.coarse_bulb import BULB, COARSE, changed
 
 import seal_mdao as sm
@@ -877,3 +878,18 @@ def test_warnings_of_python_are_lines_of_the_command(tmp_path, capsys):
     made = parser("a command for this test", str(tmp_path))
     assert run(made, command, []) == 0
     assert capsys.readouterr().err == "WARNING: contact is at a kink\n"
+
+
+@pytest.mark.parametrize(
+    ("finer", "points"),
+    [
+        ("", "1 adjacent contact point:"),
+        ("edge_spacing = { tip = 0.04 }", "3 adjacent contact points:"),
+    ],
+)
+def test_a_printed_peak_of_few_points_says_so_without_a_measure(tmp_path, capsys, finer, points):
+    pytest.importorskip("netgen")
+    path = tmp_path / "lip.toml"
+    path.write_text(PRESSED_TIP.format(section=f"spacing = 0.3\n{finer}"), encoding="utf-8")
+    main(["analyze", str(path), "--out", str(tmp_path / "out")])
+    assert f", of only {points} reduce edge_spacing there)" in capsys.readouterr().out
