@@ -6,7 +6,8 @@ for the force F on every profile, or on moved edges, h the particle spacing. As 
 F_(h/2) is the force on a cloud with all cells divided into four, and both paths have the same load
 steps, whose error drops out of the difference. The first pair of paths has load steps only to the ends
 of the stages and to the largest forces; where iterations fail, or the path leaves that of the result,
-as where a profile passes a lip in one step, a second pair has about ``FEW`` more.
+as where a profile passes a lip in one step, a second pair has about ``FEW`` more, which may be halved,
+and a third one, as where a ring rolls, ``MORE`` times as many.
 """
 
 import math
@@ -88,8 +89,8 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
     if all(np.abs(force).max() <= result.path.least_force for force in forces):
         return ForceError(None, "no force acts on a profile or on moved edges")
     first = _compared_ends(result)
-    choices = [first, np.union1d(first, few_ends(result.seal)[0])]
-    paths = ComparedPaths(file, result, callback, choices, (0, MOST_CUTS), APART)
+    choices = [first, *(np.union1d(first, ends) for ends in few_ends(result.seal))]
+    paths = ComparedPaths(file, result, callback, choices, (0, MOST_CUTS, MOST_CUTS), APART)
     if paths.fine is None:
         return ForceError(None, paths.failure)
     # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|
