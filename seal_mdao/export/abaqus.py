@@ -28,7 +28,8 @@ MOST_INCREMENTS = 10_000
 
 
 def require_exportable(file: SealFile) -> None:
-    """Raise an error for a file with a material that Abaqus does not have.
+    """Raise an error for a file with a material that Abaqus does not have, or with names that differ
+    only in what Abaqus does not distinguish.
 
     Raises
     ------
@@ -39,6 +40,22 @@ def require_exportable(file: SealFile) -> None:
             material_lines(law)
         except ValueError as error:
             raise SealFileError(f"{file.path}: [material.{name}]: {error}") from None
+    profiles = [own.name for own in file.profiles]
+    every = {
+        "edges": file.section.outline.edge_names,
+        "profiles": profiles,
+        "materials": file.materials,
+    }
+    for kind, names in every.items():
+        # Abaqus joins sets of the same name
+        first = {}
+        for name in names:
+            other = first.setdefault(name_of(name), name)
+            if other != name:
+                raise SealFileError(
+                    f"{file.path}: the {kind} {other!r} and {name!r} have the same name "
+                    f"{name_of(name)} in Abaqus; rename one of them"
+                )
 
 
 def write_abaqus(file: SealFile, seal: OutlineSeal, path: Path) -> list[str]:

@@ -10,7 +10,7 @@ from seal_file.block_files import FIXED, GLUED, LID, MOVED, file_of
 from seal_file.block_files import text as block_text
 
 import seal_mdao as sm
-from seal_mdao.export.abaqus import not_exported, write_abaqus
+from seal_mdao.export.abaqus import not_exported, require_exportable, write_abaqus
 from seal_mdao.export.abaqus_materials import element_type, material_lines
 from seal_mdao.materials.gent import Gent
 from seal_mdao.materials.hardness import ShoreRubber
@@ -420,3 +420,24 @@ def test_a_profile_that_backs_off_radially_is_reported(tmp_path):
     own = Exported(sm.read_seal_file(path), tmp_path)
     (left_out,) = own.left_out
     assert left_out.startswith("radial motion of the profile 'plate'")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"left"', '"Base"', "the edges 'base' and 'Base' have the same name BASE in Abaqus"),
+        ('"left"', '"base_"', None),
+        ('"left"', '"left.side"', None),
+    ],
+)
+def test_names_that_abaqus_does_not_distinguish(tmp_path, old, new, message):
+    """Node sets of one name would be joined: supports of one edge would act on the other, too."""
+    path = tmp_path / "seal.toml"
+    path.write_text(block_text(FIXED, LID).replace(old, new))
+    file = sm.read_seal_file(path)
+    if message is None:
+        require_exportable(file)
+        return
+    with pytest.raises(sm.SealFileError, match=message):
+        write_abaqus(file, unchosen_seal(file), tmp_path / "seal.inp")
+    assert not (tmp_path / "seal.inp").exists()
