@@ -9,6 +9,7 @@ import pytest
 from block_files import DESIGN, FIXED, LID, exact_seal, foam, read, text, with_model
 from quotients import quotients
 from ring_files import ring
+from two_rubbers import pressed_block
 
 import seal_mdao as sm
 from seal_mdao.export.vtu import point_data
@@ -427,6 +428,18 @@ def test_values_of_rubber_are_not_warned_about(tmp_path):
     assert not seal.warnings
     # parameters that are changed later are looked at, too
     assert "shear modulus of 0.8 kPa" in seal.with_parameters({"c10": 0.3, "c01": 0.1}).warnings[0]
+
+
+def test_a_stiff_part_beside_rubber_may_be_an_insert(tmp_path):
+    """One line for both moduli of steel, and none that compares it with rubber alone."""
+    path = tmp_path / "seal.toml"
+    rows = 'law = "neo_hookean"\nc10 = {}\nbulk_modulus = {}\n'
+    materials = ("soft", 400.0, 1e6), ("stiff", 4e7, 1.6e8)
+    text = "".join(f"[material.{name}]\n{rows.format(*own)}" for name, *own in materials)
+    path.write_text(text + pressed_block(1.0), encoding="utf-8")
+    (found,) = (own for own in sm.build_seal(path).warnings if "modulus" in own)
+    assert "'stiff' has an initial shear modulus of 8e+07 kPa" in found
+    assert "it is an insert of plastic" in found
 
 
 @pytest.mark.parametrize("kind", ["rubber", "foam"])

@@ -23,7 +23,9 @@ TEMPERATURE = (-100.0, 350.0)
 def unusual_values(body: ElasticBody) -> list[str]:
     """Describe material values of a body far outside the range of rubber, one line each, with the
     unit in seal files."""
-    found = [text for region in body.regions for text in _of_region(region, body.environment)]
+    # beside another material a stiff one may be an insert
+    insert = len(body.regions) > 1
+    found = [text for own in body.regions for text in _of_region(own, body.environment, insert)]
     temperature = None if body.environment is None else body.environment.temperature
     if temperature is not None and not _within(temperature.value, TEMPERATURE):
         found.append(
@@ -34,9 +36,17 @@ def unusual_values(body: ElasticBody) -> list[str]:
     return found
 
 
-def unusual_moduli(what: str, material: Isotropic):
-    """Yield a line for each modulus of a material, named ``what``, far outside the range of rubber."""
+def unusual_moduli(what: str, material: Isotropic, insert: bool = False):
+    """Yield a line for each modulus of a material, named ``what``, far outside the range of rubber; a
+    stiff one may be an ``insert`` of another material."""
     shear, bulk = material.shear_modulus, material.initial_bulk_modulus
+    if insert and shear > SHEAR[1]:
+        yield (
+            f"{what} has an initial shear modulus of {shear:.4g} kPa, larger than that of rubber and "
+            f"foam, {SHEAR[0]:g} to {SHEAR[1]:g}: it is an insert of plastic (about 1e5 to 2e6) or "
+            "metal (about 2e7 to 8e7), or its unit is wrong; moduli are in kPa: 1 MPa is 1000 kPa"
+        )
+        return
     if not _within(shear, SHEAR):
         compared = "smaller" if shear < SHEAR[0] else "larger"
         yield (
@@ -50,10 +60,10 @@ def unusual_moduli(what: str, material: Isotropic):
         )
 
 
-def _of_region(region: Region, environment):
+def _of_region(region: Region, environment, insert: bool):
     """Describe the unusual values of one material."""
     what = region.title
-    yield from unusual_moduli(what, region.material)
+    yield from unusual_moduli(what, region.material, insert)
     if region.density is not None and not _within(region.density, DENSITY):
         yield (
             f"{what} has a density of {region.density:.4g} kg/m3, outside of {DENSITY[0]:g} to "
