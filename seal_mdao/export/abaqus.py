@@ -315,6 +315,9 @@ def _step_lines(file: SealFile, seal: OutlineSeal) -> list[str]:
         lines += [f"{increment:.12g}, 1., {LEAST_INCREMENT:g}, {increment:.12g}", "*BOUNDARY"]
         for label, motion in motions.items():
             change = motion.coordinates(last) - motion.coordinates(begins_at[label])
+            if seal.body.axisymmetric:
+                # no radial motion of a rigid body (``not_exported``)
+                change[0] = 0.0
             rows = zip((1, 2, 6), change.tolist(), strict=True)
             lines += [f"{name_of('REFERENCE', label)}, {c}, {c}, {own:.12g}" for c, own in rows]
         for edges, components, motion in moved.values():

@@ -366,7 +366,10 @@ def test_a_ring_has_axisymmetric_elements(tmp_path):
     assert "*ELEMENT, TYPE=CAX6MH, ELSET=REGION_1" in text
     assert "EDGE_BORE, 1, 1" in text
     assert left_out == []
-    assert any("radial motion" in own for own in texts["ring"][1])
+    text, left_out = texts["ring"]
+    assert any("radial motion" in own for own in left_out)
+    # its plate moves by (0.2, -0.5)
+    assert "REFERENCE_PLATE, 1, 1, 0\nREFERENCE_PLATE, 2, 2, -0.5\n" in text
 
 
 def travels(text: str, reference: str) -> dict:
