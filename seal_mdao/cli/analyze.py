@@ -414,8 +414,9 @@ def report(result: SealResult, summary: dict) -> None:
 
 
 def _few_points(result: SealResult, profile: str) -> str:
-    """Say how few contact points resolve a peak, measured or not; empty for ``ENOUGH`` and for none."""
-    count = len(peak_points(result, profile))
+    """Say how few contact points resolve a peak after the last load step, measured or not; empty for
+    ``ENOUGH`` and for none."""
+    count = len(peak_points(result, profile, result.path.nominal_steps[-1]))
     if not 0 < count < ENOUGH:
         return ""
     return f", of only {count} adjacent contact point{'s' * (count > 1)}: reduce edge_spacing there"

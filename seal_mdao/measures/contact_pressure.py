@@ -238,10 +238,11 @@ def points_around_peak(gap: np.ndarray, closed: bool) -> np.ndarray:
     return (found + first) % gap.size
 
 
-def peak_points(result, profile: str) -> np.ndarray:
-    """Find the ``points_around_peak`` of a profile at the end of the path."""
+def peak_points(result, profile: str, step=None) -> np.ndarray:
+    """Find the ``points_around_peak`` of a profile at a converged step, by default the end of the
+    path."""
     closed = is_closed(result.term(profile).where)
-    return points_around_peak(result.response(profile).gap, closed)
+    return points_around_peak(result.response(profile, step).gap, closed)
 
 
 def fall_beside_peak(gap: np.ndarray, around: np.ndarray) -> float:
