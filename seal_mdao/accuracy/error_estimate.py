@@ -167,11 +167,10 @@ class ComparedPaths:
     ----------
     file, result, callback
         As of ``estimate_errors``.
-    choices : sequence of ndarray, optional
-        Ends of the load steps, as ``some_ends`` returns them, tried in this order until both paths are
-        complete; by default about ``FEW`` load steps, then ``MORE`` times as many.
-    most_cuts : sequence of int, optional
-        How often a load step may be halved, for each of the choices; by default ``MOST_CUTS``.
+    choices : sequence of (ndarray, int), optional
+        Ends of the load steps, as ``some_ends`` returns them, and how often one may be halved, tried in
+        this order until both paths are complete; by default about ``FEW`` load steps, then ``MORE``
+        times as many, with ``MOST_CUTS``.
     apart : float, optional
         Largest relative difference of the forces in few load steps from those of the result at the
         same ends; otherwise the path is taken to be another one.
@@ -192,10 +191,9 @@ class ComparedPaths:
 
     def __init__(
         self, file: SealFile, result: SealResult, callback: Callable | None, choices=None,
-        most_cuts=None, apart: float = np.inf,
+        apart: float = np.inf,
     ):  # fmt: skip
-        self.result, self.callback, self.number = result, callback, 0
-        self._most_cuts, self._apart = MOST_CUTS, apart
+        self.result, self.callback, self.number, self._apart = result, callback, 0, apart
         self.coarse = self.fine = self.kept = None
         self.failure = ""
         seal = result.seal
@@ -216,21 +214,21 @@ class ComparedPaths:
         if file.step_tolerance is not None:
             # steps of the seal were chosen: their ends in steps of the file
             given = np.array(chosen_ends(seal))
-        choices = few_ends(seal) if choices is None else choices
-        cuts = [MOST_CUTS] * len(choices) if most_cuts is None else most_cuts
-        for ends, self._most_cuts in zip(choices, cuts, strict=True):
+        if choices is None:
+            choices = [(ends, MOST_CUTS) for ends in few_ends(seal)]
+        for ends, most_cuts in choices:
             self.ends = given[ends.astype(int) - 1]
             own, other = seal.with_ends(ends), fine_seal.with_ends(self.ends)
-            if self._solve(own, other, ends, fine, parents):
+            if self._solve(own, other, ends, most_cuts, fine, parents):
                 break
 
-    def _solve(self, seal: Seal, fine_seal: Seal, ends, fine, parents) -> bool:
+    def _solve(self, seal: Seal, fine_seal: Seal, ends, most_cuts: int, fine, parents) -> bool:
         """Analyse both clouds in the load steps that end at ``ends``; return whether both paths are
         complete."""
         # iterations begin at the path of the result, then at that in few load steps
         path = self.result.path
         steps = {k: path.nominal_steps[int(end) - 1] for k, end in enumerate(ends, 1)}
-        coarse = self.near(seal, Prolongation(path, steps, path.discretization))
+        coarse = self.near(seal, Prolongation(path, steps, path.discretization), most_cuts)
         if not coarse.converged:
             self.failure = f"an analysis in {seal.n_steps} load steps {_end_of(coarse)}"
             return False
@@ -239,7 +237,7 @@ class ComparedPaths:
             return False
         self.coarse = coarse
         steps = dict(enumerate(coarse.path.nominal_steps, 1))
-        found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents))
+        found = self.near(fine_seal, Prolongation(coarse.path, steps, fine, parents), most_cuts)
         if not found.converged:
             why = _end_of(found) + _error_before(coarse, found)
             self.failure = f"an analysis with half of the spacing {why}"
@@ -254,7 +252,7 @@ class ComparedPaths:
         pairs = list(both)
         return pairs[len(pairs) // 2 : -1]
 
-    def near(self, seal: Seal, near: Prolongation) -> SealResult:
+    def near(self, seal: Seal, near: Prolongation, most_cuts: int = MOST_CUTS) -> SealResult:
         """Analyse a seal with iterations that start from the states of another path; its own path
         may end early."""
         self.number += 1
@@ -263,7 +261,7 @@ class ComparedPaths:
             report(self.number, max(2, self.number), seal.n_steps)
         # where iterations fail beside a known solution, long searches for another one are of no use
         newton = replace(
-            seal.newton, tolerance=max(seal.newton.tolerance, TOLERANCE), max_cuts=self._most_cuts,
+            seal.newton, tolerance=max(seal.newton.tolerance, TOLERANCE), max_cuts=most_cuts,
             damped_iterations=0,
         )  # fmt: skip
         return analyze_particles(

@@ -89,8 +89,8 @@ def force_error(file: SealFile, result: SealResult, callback: Callable | None = 
     if all(np.abs(force).max() <= result.path.least_force for force in forces):
         return ForceError(None, "no force acts on a profile or on moved edges")
     first = _compared_ends(result)
-    choices = [first, *(np.union1d(first, ends) for ends in few_ends(result.seal))]
-    paths = ComparedPaths(file, result, callback, choices, (0, MOST_CUTS, MOST_CUTS), APART)
+    more = [(np.union1d(first, ends), MOST_CUTS) for ends in few_ends(result.seal)]
+    paths = ComparedPaths(file, result, callback, [(first, 0), *more], APART)
     if paths.fine is None:
         return ForceError(None, paths.failure)
     # |F_h - F_(h/2)| / (1 - 2^-p) / max |F_(h/2)|

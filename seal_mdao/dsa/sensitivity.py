@@ -206,9 +206,11 @@ class Wanted:
         path, seal = self.result.path, self.result.seal
         from_start = any(base.from_start for base in self.bases)
         warn_of_kinks(path, self.stack.seeds, seal.design_velocity, from_start)
+        if TEMPERATURE not in parameters:
+            return
         # dm/dT of a table of moduli jumps at its points
         points = seal.table_points([path.steps[index].fraction for index in self.stack.seeds])
-        if points and TEMPERATURE in parameters:
+        if points:
             warnings.warn(
                 "the derivatives with respect to the temperature are one-sided, those of higher "
                 f"temperatures, because the temperature is a point of a table: {'; '.join(points)}. "

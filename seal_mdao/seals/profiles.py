@@ -247,7 +247,7 @@ def stage_of(motion: Motion, number: np.ndarray) -> np.ndarray:
     return 1 + np.searchsorted(np.cumsum(motion.steps), number, side="right")
 
 
-def stage_index(seal, fraction: float) -> np.ndarray | None:
+def moved_in_stage(seal, fraction: float) -> np.ndarray | None:
     """Return x, y (mm), angle (degrees) of the leading profile since its stage began.
 
     After any ``fraction`` of the load steps; None without profiles.
@@ -276,7 +276,7 @@ def stage_travel(seal, fraction: float) -> float:
 
     After any ``fraction`` of the load steps; in the first stage counted from ``before_touch``.
     """
-    place = stage_index(seal, fraction)
+    place = moved_in_stage(seal, fraction)
     if place is None:
         return float("nan")
     # |x - x_stage|, in the first stage less the travel before the first touch
@@ -383,7 +383,7 @@ def position(seal, fraction: float) -> str:
     # three digits, without an exponent
     after = [f"{label} {float(f'{p:.3g}'):g} kPa" for label, (p,) in pressures if p > 0.0]
     after += [] if time is None else [f"after {duration(time[0])}"]
-    moved, stage = stage_index(seal, fraction), stage_number(seal, fraction)
+    moved, stage = moved_in_stage(seal, fraction), stage_number(seal, fraction)
     if moved is None:
         return ", ".join([f"step {fraction:.4g} of {seal.n_steps}", *after])
     travel, turn = stage_travel(seal, fraction), moved[2]

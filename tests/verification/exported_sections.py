@@ -34,13 +34,3 @@ def stage_forces(name: str, refinement: float = 1.0) -> list[dict]:
 def reference(name: str) -> dict:
     """Read the results of CalculiX."""
     return json.loads((REFERENCES / f"{name}.json").read_text(encoding="utf-8"))
-
-
-def force_error(found: list[dict], known: list[dict]) -> float:
-    """Return the largest difference of a component of a force at the end of a stage, over the largest
-    force of that stage."""
-    return max(
-        max(np.abs(own[label] - exact[label]).max() for label in exact)
-        / max(np.hypot(*force) for force in exact.values())
-        for own, exact in zip(found, known, strict=True)
-    )

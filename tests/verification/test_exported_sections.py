@@ -8,7 +8,7 @@ import pytest
 import seal_mdao as sm
 from seal_mdao.export.abaqus import write_abaqus
 from seal_mdao.seals.file.build import unchosen_seal
-from verification.exported_sections import REFERENCES, force_error, reference, stage_forces
+from verification.exported_sections import REFERENCES, reference, stage_forces
 from verification.references import calculix
 
 pytest.importorskip("netgen")
@@ -34,7 +34,7 @@ def test_stored_forces(name, figure):
         # none where CalculiX did not converge with the larger penalty
         if known[change] is not None:
             figure(f"{name}: {change}", known[change], UNCERTAIN)
-    error = force_error(stage_forces(name), known["stages_at_spacing_of_file"])
+    error = calculix.change(stage_forces(name), known["stages_at_spacing_of_file"])
     figure(f"{name}: force", error, LARGEST[name])
 
 
@@ -42,7 +42,7 @@ def test_stored_forces(name, figure):
 @pytest.mark.parametrize("name", LARGEST)
 def test_stored_forces_on_the_finer_mesh(name, figure):
     found = stage_forces(name, calculix.REFINEMENT)
-    figure(f"{name}: force, finer", force_error(found, reference(name)["stages"]), FINER[name])
+    figure(f"{name}: force, finer", calculix.change(found, reference(name)["stages"]), FINER[name])
 
 
 @pytest.mark.release
@@ -52,7 +52,7 @@ def test_stored_forces_are_those_of_the_exported_file(name, figure):
     file = sm.read_seal_file(REFERENCES / f"{name}.toml")
     found = calculix.forces(calculix.exported(file))
     known = reference(name)["stages_at_spacing_of_file"]
-    figure(f"{name}: force of CalculiX", force_error(found, known), 1e-4)
+    figure(f"{name}: force of CalculiX", calculix.change(found, known), 1e-4)
 
 
 @pytest.mark.parametrize("name", ["d_bulb", "o_ring", "lip", "car_door_seal", "two_holes"])
